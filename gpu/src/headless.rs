@@ -63,7 +63,9 @@ pub trait Uploaded {
     ///
     /// # Errors
     /// [`HeadlessError`]
-    fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError>;
+    fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
+        self.time_stage(stage, instance_len, 1).map(drop)
+    }
 
     /// Measures the time of a stage on the present content of the buffers, run `repeat_len` times
     /// in one submission.
@@ -119,4 +121,10 @@ pub enum HeadlessError {
     /// The batch cannot be evaluated.
     #[error(transparent)]
     Layout(#[from] LayoutError),
+}
+
+/// Returns a function that makes an error of the step `doing` from the API's message.
+#[cfg(any(feature = "vulkan", feature = "wgpu"))]
+pub(crate) fn refused<E: ToString>(doing: &'static str) -> impl Fn(E) -> HeadlessError {
+    move |error| HeadlessError::Refused { doing, detail: error.to_string() }
 }

@@ -1,5 +1,6 @@
 //! Errors of calls.
 
+use crate::named::named;
 use core::fmt;
 
 /// Reason why a call was refused. A refused call has written nothing except scratch.
@@ -49,86 +50,92 @@ pub enum CallErrorKind {
     NoJoints,
 }
 
-/// Argument of a call, as [`CallError`] names it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Argument {
-    /// The call as a whole.
-    Call,
-    /// Skinning matrices.
-    Pose,
-    /// Local transforms.
-    Local,
-    /// Scratch, in floats.
-    Scratch,
-    /// The palette, in transforms.
-    Palette,
-    /// Confidences.
-    Confidences,
-    /// Columns of the joints' transforms relative to the root.
-    Relative,
-    /// Rotation vectors of the joints.
-    Rotations,
-    /// Columns of the predicted gradients.
-    Gradients,
-    /// Pose features, in matrices.
-    Features,
-    /// The range of vertices.
-    Vertices,
-    /// Remap: the skin vertex that each engine vertex copies.
-    Remap,
-    /// The caller's rest positions, and their largest distance from the file's.
-    RestPositions,
-    /// The caller's rest normals.
-    RestNormals,
-    /// The caller's rest tangents.
-    RestTangents,
-    /// Positions written, in floats.
-    Positions,
-    /// Normals written, in floats.
-    Normals,
-    /// Tangents written, in floats.
-    Tangents,
-    /// Numbers of a query.
-    Query,
-    /// Numbers of the outputs.
-    Outputs,
-    /// Derivatives.
-    Jacobian,
-    /// Variances.
-    Variances,
-    /// Weights of shapes.
-    Weights,
-    /// The prior, or the weight of one of its terms.
-    Prior,
-    /// Pins. The index is a place in the list, or the vertex of a pin that is being added.
-    Pins,
-    /// Control points.
-    Points,
-    /// Visibilities of control points.
-    Visibility,
-    /// Scores of key views.
-    Scores,
-    /// Opacities and orders of layers.
-    Layers,
-    /// Pixels of a picture.
-    Pixels,
-    /// Depths of pixels.
-    Depths,
-    /// Pixels of a layer that is drawn into its own buffer.
-    Group,
-    /// Coverage left of each pixel by the layers that clip.
-    Clips,
-    /// Samples of signals.
-    Samples,
-    /// Names of the joints of the caller's skeleton.
-    Names,
-    /// Joint map: the caller's joint that drives each joint.
-    Joints,
-    /// Frames of the joints of the caller's skeleton.
-    World,
-    /// The matrix of the root.
-    Root,
+named! {
+    /// Argument of a call, as [`CallError`] names it. The C ABI has the same numbers.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum Argument {
+        /// The call as a whole.
+        Call = 0, "call";
+        /// Skinning matrices.
+        Pose = 1, "pose";
+        /// Local transforms.
+        Local = 2, "local transforms";
+        /// Scratch, in floats.
+        Scratch = 3, "scratch";
+        /// The palette, in transforms.
+        Palette = 4, "palette";
+        /// Confidences.
+        Confidences = 5, "confidences";
+        /// Columns of the joints' transforms relative to the root.
+        Relative = 6, "relative transforms";
+        /// Rotation vectors of the joints.
+        Rotations = 7, "rotations";
+        /// Columns of the predicted gradients.
+        Gradients = 8, "gradients";
+        /// Pose features, in matrices.
+        Features = 9, "features";
+        /// The range of vertices.
+        Vertices = 10, "vertices";
+        /// Remap: the skin vertex that each engine vertex copies.
+        Remap = 11, "remap";
+        /// The caller's rest positions, and their largest distance from the file's.
+        RestPositions = 12, "rest positions";
+        /// The caller's rest normals.
+        RestNormals = 13, "rest normals";
+        /// The caller's rest tangents.
+        RestTangents = 14, "rest tangents";
+        /// Positions written, in floats.
+        Positions = 15, "positions";
+        /// Normals written, in floats.
+        Normals = 16, "normals";
+        /// Tangents written, in floats.
+        Tangents = 17, "tangents";
+        /// Numbers of a query.
+        Query = 18, "query";
+        /// Numbers of the outputs.
+        Outputs = 19, "outputs";
+        /// Derivatives.
+        Jacobian = 20, "Jacobian";
+        /// Variances.
+        Variances = 21, "variances";
+        /// Weights of shapes.
+        Weights = 22, "shape weights";
+        /// The prior, or the weight of one of its terms.
+        Prior = 23, "prior";
+        /// Pins. The index is a place in the list, or the vertex of a pin that is being added.
+        Pins = 24, "pins";
+        /// Control points.
+        Points = 25, "points";
+        /// Visibilities of control points.
+        Visibility = 26, "visibility";
+        /// Scores of key views.
+        Scores = 27, "scores";
+        /// Pixels of a picture.
+        Pixels = 28, "pixels";
+        /// Depths of pixels.
+        Depths = 29, "depths";
+        /// Samples of signals.
+        Samples = 30, "samples";
+        /// Names of the joints of the caller's skeleton.
+        Names = 31, "names";
+        /// Joint map: the caller's joint that drives each joint.
+        Joints = 32, "joint map";
+        /// Frames of the joints of the caller's skeleton.
+        World = 33, "frames";
+        /// The matrix of the root.
+        Root = 34, "root matrix";
+        /// Opacities and orders of layers.
+        Layers = 35, "layers";
+        /// Coverage left of each pixel by the layers that clip.
+        Clips = 36, "clips";
+        /// Pixels of a layer that is drawn into its own buffer.
+        Group = 37, "group";
+    }
+    /// Every argument.
+    ALL;
+    /// Returns the argument's name.
+    name;
 }
 
 impl CallError {
@@ -161,48 +168,9 @@ impl Argument {
         Err(CallError::new(CallErrorKind::TooShort, self).values(least, found))
     }
 
-    /// Returns the argument's name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Call => "call",
-            Self::Pose => "pose",
-            Self::Local => "local transforms",
-            Self::Scratch => "scratch",
-            Self::Palette => "palette",
-            Self::Confidences => "confidences",
-            Self::Relative => "relative transforms",
-            Self::Rotations => "rotations",
-            Self::Gradients => "gradients",
-            Self::Features => "features",
-            Self::Vertices => "vertices",
-            Self::Remap => "remap",
-            Self::RestPositions => "rest positions",
-            Self::RestNormals => "rest normals",
-            Self::RestTangents => "rest tangents",
-            Self::Positions => "positions",
-            Self::Normals => "normals",
-            Self::Tangents => "tangents",
-            Self::Query => "query",
-            Self::Outputs => "outputs",
-            Self::Jacobian => "Jacobian",
-            Self::Variances => "variances",
-            Self::Weights => "shape weights",
-            Self::Prior => "prior",
-            Self::Pins => "pins",
-            Self::Points => "points",
-            Self::Visibility => "visibility",
-            Self::Scores => "scores",
-            Self::Layers => "layers",
-            Self::Pixels => "pixels",
-            Self::Depths => "depths",
-            Self::Group => "group",
-            Self::Clips => "clips",
-            Self::Samples => "samples",
-            Self::Names => "names",
-            Self::Joints => "joint map",
-            Self::World => "frames",
-            Self::Root => "root matrix",
-        }
+    /// Refuses the argument if one of its elements, at index `unsound`, is not finite.
+    pub(crate) fn check_finite(self, unsound: Option<usize>) -> Result<(), CallError> {
+        unsound.map_or(Ok(()), |at| Err(CallError::new(CallErrorKind::NonFinite, self).at(at)))
     }
 
     /// Returns the name of an element, and the name of an element that is a rotation.

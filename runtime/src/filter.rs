@@ -4,8 +4,9 @@
 //! [`Filter::apply`] slides a window along the samples. The file holds the weights for every
 //! distance from the signal's ends and for every phase.
 
-use crate::error::{Argument, CallError, CallErrorKind};
+use crate::error::{Argument, CallError};
 use crate::format::content;
+use crate::format::flat::flat;
 use crate::format::part::{self, Asked, COUNTS, Part, SECTIONS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
@@ -138,9 +139,7 @@ impl Filter<'_> {
         Argument::Samples.check_len(shape.len(), samples.len())?;
         Argument::Outputs.check_len(shape.len().saturating_mul(self.factor()), out.len())?;
         let is_sound = |x: &f32| x.abs() <= MAGNITUDE_MAX;
-        if let Some(at) = samples.iter().position(|x| !is_sound(x)) {
-            return Err(CallError::new(CallErrorKind::NonFinite, Argument::Samples).at(at));
-        }
+        Argument::Samples.check_finite(samples.iter().position(|x| !is_sound(x)))?;
         let Samples { sample_len, lane_len, .. } = shape;
         // An empty shape writes nothing; a chunk length of zero would panic.
         let coarse = samples.chunks_exact((sample_len * lane_len).max(1));
@@ -204,21 +203,9 @@ pub struct FilterCounts {
     pub tap_len: u32,
 }
 
+flat! { FilterCounts of "filter_counts", words, from_words: [u32; 2] { factor, tap_len } }
+
 impl FilterCounts {
-    /// Bytes of section `filter_counts`.
-    pub const BYTES: usize = 8;
-
-    /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 2] {
-        let Self { factor, tap_len } = *self;
-        [factor, tap_len]
-    }
-
-    /// Makes the counts from their words.
-    pub const fn from_words([factor, tap_len]: [u32; 2]) -> Self {
-        Self { factor, tap_len }
-    }
-
     /// Computes a section's length in bytes, or the least length of the names; `None` if filters
     /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
@@ -243,21 +230,9 @@ pub struct FilterFit {
     pub linear_rms: f32,
 }
 
-impl FilterFit {
-    /// Bytes of section `filter_fit`.
-    pub const BYTES: usize = 12;
-
-    /// Lists its figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 3] {
-        let Self { step, left_out_rms, linear_rms } = *self;
-        [step, left_out_rms, linear_rms]
-    }
-
-    /// Makes the fit from its figures.
-    pub const fn from_figures([step, left_out_rms, linear_rms]: [f32; 3]) -> Self {
-        Self { step, left_out_rms, linear_rms }
-    }
-}
+flat! { FilterFit of "filter_fit", figures, from_figures: [f32; 3] {
+    step, left_out_rms, linear_rms
+} }
 
 /// Indices of the counts in their section.
 mod place {

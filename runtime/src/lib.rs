@@ -53,6 +53,7 @@ mod limits;
 mod linear;
 pub mod matrix;
 mod model;
+mod named;
 mod names;
 mod numeric;
 #[cfg(feature = "prior")]

@@ -5,6 +5,7 @@
 /// The work of loading and evaluating grows only with these counts. Each byte of a kernel map costs
 /// one multiplication, and one per feature in a kernel's Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
 pub struct Limits {
     /// Bytes of the file.
     pub file_bytes: u32,

@@ -277,58 +277,35 @@ impl Contents {
         for (kind, first) in PartKind::ALL.iter().zip(firsts) {
             for part in parts_of(manifest, loading.file, *kind) {
                 loading.of_part(part);
-                let view = Part::new(loading.file);
                 // Only one view is alive at a time, so that all share one place on the stack.
+                macro_rules! check {
+                    ($view:ident, $content:expr) => {{
+                        let mut view = $view(Part::new(loading.file));
+                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
+                        first.keep(&view.0.layout);
+                        $content(&view, loading)?
+                    }};
+                }
                 match kind {
-                    PartKind::Envelope => {
-                        let mut view = Envelope(view);
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
-                        envelope::check::content(&view, loading)?;
-                    }
-                    PartKind::Skin => {
-                        let mut view = Skin(view);
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
-                        skin::check::content(&view, loading)?;
-                    }
+                    PartKind::Envelope => check!(Envelope, envelope::check::content),
+                    PartKind::Skin => check!(Skin, skin::check::content),
                     #[cfg(feature = "kernel")]
-                    PartKind::Kernel => {
-                        let mut view = KernelMap(view);
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
-                        kernel::check::content(&view, loading)?;
-                    }
+                    PartKind::Kernel => check!(KernelMap, kernel::check::content),
                     #[cfg(feature = "prior")]
-                    PartKind::Prior => {
-                        let mut view = Prior(view);
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
-                        prior::check_content(&view, loading)?;
-                    }
+                    PartKind::Prior => check!(Prior, prior::check_content),
                     #[cfg(feature = "views")]
                     PartKind::Views => {
-                        let mut view = Views(view);
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
                         let part_len = manifest.parts(loading.file).len();
                         let outputs = |part| output_rows(loading, manifest, part);
-                        views::check::content(&view, loading, part_len, outputs)?;
+                        let content = |views: &Views<'_>, loading: &Loading<'_>| {
+                            views::check::content(views, loading, part_len, outputs)
+                        };
+                        check!(Views, content);
                     }
                     #[cfg(feature = "filter")]
-                    PartKind::Filter => {
-                        let mut view = Filter(view);
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
-                        filter::check_content(&view, loading)?;
-                    }
+                    PartKind::Filter => check!(Filter, filter::check_content),
                     #[cfg(feature = "record")]
-                    PartKind::Record => {
-                        let mut view = Record(view);
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
-                        record::check_content(&view, loading)?;
-                    }
+                    PartKind::Record => check!(Record, record::check_content),
                 }
             }
         }

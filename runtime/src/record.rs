@@ -4,6 +4,7 @@
 
 use crate::format::SectionKind;
 use crate::format::content;
+use crate::format::flat::flat;
 use crate::format::part::{self, Asked, COUNTS, Part, SECTIONS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::rule::{ALWAYS, Rule};
@@ -81,21 +82,11 @@ pub struct RecordCounts {
     pub joint_len: u32,
 }
 
+flat! { RecordCounts of "record_counts", words, from_words: [u32; 4] {
+    frame_len, vertex_len, influence_len, joint_len
+} }
+
 impl RecordCounts {
-    /// Bytes of section `record_counts`.
-    pub const BYTES: usize = 16;
-
-    /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 4] {
-        let Self { frame_len, vertex_len, influence_len, joint_len } = *self;
-        [frame_len, vertex_len, influence_len, joint_len]
-    }
-
-    /// Makes the counts from their words.
-    pub const fn from_words([frame_len, vertex_len, influence_len, joint_len]: [u32; 4]) -> Self {
-        Self { frame_len, vertex_len, influence_len, joint_len }
-    }
-
     /// Computes a section's length in bytes, or the least length of the names; `None` if records
     /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 ///
 /// Until then the destination keeps its old content. Dropping an unfinished file removes it.
 pub struct PendingFile {
-    file: File,
+    /// The file to write to.
+    pub file: File,
     path: PathBuf,
     destination: PathBuf,
     finished: bool,
@@ -25,11 +26,6 @@ impl PendingFile {
         let path = PathBuf::from(path);
         let file = File::create_new(&path)?;
         Ok(Self { file, path, destination: destination.to_owned(), finished: false })
-    }
-
-    /// Returns the file to write to.
-    pub fn file(&mut self) -> &mut File {
-        &mut self.file
     }
 
     /// Moves the file to its destination.
@@ -59,6 +55,6 @@ impl Drop for PendingFile {
 /// Any error of the file system; the old content then remains.
 pub fn write(destination: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut part = PendingFile::create(destination)?;
-    part.file().write_all(bytes)?;
+    part.file.write_all(bytes)?;
     part.finish()
 }

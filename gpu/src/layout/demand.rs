@@ -5,7 +5,7 @@ use super::error::LayoutError;
 use super::limits::DeviceLimits;
 use super::resource::{ALIGNMENT, Array, Attribute, Resource, Span};
 use super::stage::{Stage, WORKGROUP};
-use sinew_runtime::format::SectionKind;
+use sinew_runtime::format::{FileId, PartKind, SectionKind};
 use sinew_runtime::{Model, Skin};
 use std::ops::Range;
 
@@ -157,14 +157,14 @@ pub(super) fn threads(len: usize) -> u64 {
     (len as u64).div_ceil(WORKGROUP.into())
 }
 
-/// Returns the two members of an array: its offset and its stride.
-pub(super) fn array_members(
-    [offset, stride]: [&'static str; 2],
-    resource: Resource,
-    array: Option<Array>,
-) -> [(&'static str, Member); 2] {
-    let own = array.map_or(0, |array| array.stride);
-    [(offset, Member::Offset(resource, array)), (stride, Member::Number(own))]
+/// Returns the two members of each array: its offset and its stride.
+pub(super) fn array_members<const N: usize>(
+    arrays: [([&'static str; 2], Resource, Option<Array>); N],
+) -> impl Iterator<Item = (&'static str, Member)> {
+    arrays.into_iter().flat_map(|([offset, stride], resource, array)| {
+        let own = array.map_or(0, |array| array.stride);
+        [(offset, Member::Offset(resource, array)), (stride, Member::Number(own))]
+    })
 }
 
 /// Lays the attributes of a skin out without gaps: the V positions of an instance, its V normals and, if the skin has
@@ -191,11 +191,46 @@ pub(super) fn attribute_arrays(
     })
 }
 
-/// Checks that no attribute of a vertex reaches into the next vertex.
+/// Checks that a part belongs to the model's file, and that there are instances.
 ///
 /// # Errors
+/// [`LayoutError::OtherFile`], [`LayoutError::NoInstances`]
+pub(super) fn check_part(
+    model: &Model<impl AsRef<[u8]>>,
+    (part, file): (PartKind, FileId),
+    instance_len: usize,
+) -> Result<(), LayoutError> {
+    if file != model.id() {
+        return Err(LayoutError::OtherFile { part });
+    }
+    if instance_len == 0 { Err(LayoutError::NoInstances) } else { Ok(()) }
+}
+
+/// Checks the attributes that a batch writes for a range of vertices: there are some, and no
+/// attribute of a vertex reaches into the next vertex.
+///
+/// - `is_within`: whether the mesh of `vertex_len` vertices has the range.
+/// - `has_tangents`: whether the rest mesh has tangents.
+///
+/// # Errors
+/// [`LayoutError::NoOutput`], [`LayoutError::VertexRange`], [`LayoutError::NoTangents`],
 /// [`LayoutError::Stride`]
-pub(super) fn check_attribute_strides(attributes: Attributes) -> Result<(), LayoutError> {
+pub(super) fn check_attributes(
+    attributes: Attributes,
+    Range { start, end }: Range<usize>,
+    vertex_len: usize,
+    is_within: bool,
+    has_tangents: bool,
+) -> Result<(), LayoutError> {
+    if attributes.iter().all(Option::is_none) {
+        return Err(LayoutError::NoOutput);
+    }
+    if start > end || !is_within {
+        return Err(LayoutError::VertexRange { start, end, vertex_len });
+    }
+    if attributes[2].is_some() && !has_tangents {
+        return Err(LayoutError::NoTangents);
+    }
     let written = attributes.into_iter().zip(FLOATS);
     let mut written = written.filter_map(|(own, least)| Some((own?.stride, least)));
     written.try_for_each(|(stride, least)| check_stride(Resource::Out, least, stride))
@@ -210,11 +245,12 @@ pub(super) fn attribute_members(
     let of_tangents = ["tangents_offset", "tangents_stride", "tangents_instance_stride"];
     let all = [(of_positions, positions), (of_normals, normals), (of_tangents, tangents)];
     all.into_iter().flat_map(|([offset, stride, instance_stride], attribute)| {
-        let array = attribute.map(|own| own.array());
-        let places = [offset, instance_stride];
-        let [offset, instance_stride] = array_members(places, Resource::Out, array);
-        let stride = (stride, Member::Number(attribute.map_or(0, |own| own.stride)));
-        [offset, stride, instance_stride]
+        let [own, instance] = attribute.map_or([0; 2], |own| [own.stride, own.instance_stride]);
+        [
+            (offset, Member::Offset(Resource::Out, attribute.map(|own| own.array()))),
+            (stride, Member::Number(own)),
+            (instance_stride, Member::Number(instance)),
+        ]
     })
 }
 

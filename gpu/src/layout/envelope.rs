@@ -2,7 +2,7 @@
 
 use super::demand::{
     Attributes, Demand, Member, array_members, attribute_arrays, attribute_members,
-    check_attribute_strides, check_stride, packed_attributes, section_member, threads,
+    check_attributes, check_part, check_stride, packed_attributes, section_member, threads,
 };
 use super::error::LayoutError;
 use super::resource::{Array, Attribute, Resource};
@@ -243,7 +243,7 @@ fn outer(batch: &Batch, scratch: &ScratchLayout) -> Vec<(&'static str, Member)> 
     let rest = own.map(|own| own.rest).unwrap_or_default();
     let scratch = Some(Array { offset: 0, stride: scratch.len });
     let remap = own.and_then(|own| own.remap);
-    let arrays = [
+    let arrays = array_members([
         (["scratch_offset", "scratch_stride"], Resource::Scratch, scratch),
         (["poses_offset", "poses_stride"], Resource::Poses, Some(batch.poses)),
         (["palettes_offset", "palettes_stride"], Resource::Palettes, Some(batch.palettes)),
@@ -252,10 +252,7 @@ fn outer(batch: &Batch, scratch: &ScratchLayout) -> Vec<(&'static str, Member)> 
         (["host_positions_offset", "host_positions_stride"], Resource::Host, rest.positions),
         (["host_normals_offset", "host_normals_stride"], Resource::Host, rest.normals),
         (["host_tangents_offset", "host_tangents_stride"], Resource::Host, rest.tangents),
-    ];
-    let arrays = arrays
-        .into_iter()
-        .flat_map(|(names, resource, array)| array_members(names, resource, array));
+    ]);
     let attributes = own.map(SkinBatch::attributes).unwrap_or_default();
     arrays.chain(attribute_members(attributes)).collect()
 }
@@ -270,12 +267,7 @@ fn check<'a>(
     envelope: &Envelope<'_>,
     batch: &Batch,
 ) -> Result<Option<Skin<'a>>, LayoutError> {
-    if envelope.file() != model.id() {
-        return Err(LayoutError::OtherFile { part: PartKind::Envelope });
-    }
-    if batch.instance_len == 0 {
-        return Err(LayoutError::NoInstances);
-    }
+    check_part(model, (PartKind::Envelope, envelope.file()), batch.instance_len)?;
     check_stride(Resource::Palettes, 12 * envelope.palette_len(), batch.palettes.stride)?;
     if let Some(array) = batch.confidences {
         check_stride(Resource::Confidences, 1, array.stride)?;
@@ -291,26 +283,14 @@ fn check<'a>(
     if offset % 4 != 0 || stride % 4 != 0 {
         return Err(LayoutError::Fours { offset, stride });
     }
-    check_skin(&skin, own)?;
-    Ok(Some(skin))
-}
-
-fn check_skin(skin: &Skin<'_>, batch: &SkinBatch) -> Result<(), LayoutError> {
-    if batch.attributes().iter().all(Option::is_none) {
-        return Err(LayoutError::NoOutput);
-    }
-    let (Range { start, end }, vertex_len) = (batch.vertices.clone(), skin.vertex_len());
-    let is_within = match batch.remap {
+    let (vertices, vertex_len) = (own.vertices.clone(), skin.vertex_len());
+    let is_within = match own.remap {
         // Only the host knows the length of the remap; `Plan::check_buffers` requires a buffer that
         // holds the range.
-        Some(_) => vertex_len > 0 || start == end,
-        None => end <= vertex_len,
+        Some(_) => vertex_len > 0 || vertices.start == vertices.end,
+        None => vertices.end <= vertex_len,
     };
-    if start > end || !is_within {
-        return Err(LayoutError::VertexRange { start, end, vertex_len });
-    }
-    if batch.tangents.is_some() && batch.rest.tangents.is_none() && !skin.has_tangents() {
-        return Err(LayoutError::NoTangents);
-    }
-    check_attribute_strides(batch.attributes())
+    let has_tangents = own.rest.tangents.is_some() || skin.has_tangents();
+    check_attributes(own.attributes(), vertices, vertex_len, is_within, has_tangents)?;
+    Ok(Some(skin))
 }

@@ -1,6 +1,8 @@
 //! Batches of a filter, and their requirements.
 
-use super::demand::{Demand, Member, array_members, check_stride, section_member, threads};
+use super::demand::{
+    Demand, Member, array_members, check_part, check_stride, section_member, threads,
+};
 use super::error::LayoutError;
 use super::resource::{Array, Resource};
 use super::stage::Stage;
@@ -51,12 +53,7 @@ pub(super) fn demand(
     filter: &Filter<'_>,
     batch: &FilterBatch,
 ) -> Result<Demand, LayoutError> {
-    if filter.file() != model.id() {
-        return Err(LayoutError::OtherFile { part: PartKind::Filter });
-    }
-    if batch.instance_len == 0 {
-        return Err(LayoutError::NoInstances);
-    }
+    check_part(model, (PartKind::Filter, filter.file()), batch.instance_len)?;
     let (least, found) = (filter.tap_len(), batch.sample_len);
     if found < least {
         return Err(LayoutError::Samples { least, found });
@@ -75,12 +72,10 @@ pub(super) fn demand(
     ];
     let counts = counts.map(|(name, number)| (name, Member::Number(number)));
     let taps = section_member(model, Some(filter.part()), SectionKind::FilterTaps);
-    let places = [
-        (["samples_offset", "samples_stride"], Resource::Samples, batch.samples),
-        (["outputs_offset", "outputs_stride"], Resource::Out, batch.outputs),
-    ];
-    let places = places.into_iter();
-    let places = places.flat_map(|(names, own, array)| array_members(names, own, Some(array)));
+    let places = array_members([
+        (["samples_offset", "samples_stride"], Resource::Samples, Some(batch.samples)),
+        (["outputs_offset", "outputs_stride"], Resource::Out, Some(batch.outputs)),
+    ]);
     Ok(Demand {
         instance_len: batch.instance_len,
         stages: vec![(Stage::Filter, threads(fine_len))],

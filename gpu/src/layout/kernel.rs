@@ -1,6 +1,6 @@
 //! Batches of a kernel, and their requirements.
 
-use super::demand::{Demand, Member, array_members, check_stride, section_member};
+use super::demand::{Demand, Member, array_members, check_part, check_stride, section_member};
 use super::error::LayoutError;
 use super::resource::{Array, Resource};
 use super::stage::Stage;
@@ -63,12 +63,7 @@ pub(super) fn demand(
     kernel: &KernelMap<'_>,
     batch: &KernelBatch,
 ) -> Result<Demand, LayoutError> {
-    if kernel.file() != model.id() {
-        return Err(LayoutError::OtherFile { part: PartKind::Kernel });
-    }
-    if batch.instance_len == 0 {
-        return Err(LayoutError::NoInstances);
-    }
+    check_part(model, (PartKind::Kernel, kernel.file()), batch.instance_len)?;
     check_stride(Resource::Out, kernel.result_len(), batch.outputs.stride)?;
     if let Some(array) = batch.confidences {
         check_stride(Resource::Out, 1, array.stride)?;
@@ -92,14 +87,12 @@ pub(super) fn demand(
     ];
     let lens = lens.map(|(name, len)| (name, Member::Number(len as usize)));
     let sections = SECTIONS.map(|kind| section_member(model, Some(kernel.part()), kind));
-    let places = [
+    let places = array_members([
         (["scratch_offset", "scratch_stride"], Resource::Scratch, Some(scratch)),
         (["queries_offset", "queries_stride"], Resource::Queries, Some(batch.queries)),
         (["outputs_offset", "outputs_stride"], Resource::Out, Some(batch.outputs)),
         (["confidences_offset", "confidences_stride"], Resource::Out, batch.confidences),
-    ];
-    let places = places.into_iter();
-    let places = places.flat_map(|(names, resource, array)| array_members(names, resource, array));
+    ]);
     Ok(Demand {
         instance_len: batch.instance_len,
         stages: vec![(Stage::Kernel, 1)],

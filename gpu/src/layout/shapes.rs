@@ -2,7 +2,7 @@
 
 use super::demand::{
     Attributes, Demand, Member, array_members, attribute_arrays, attribute_members,
-    check_attribute_strides, packed_attributes, section_member,
+    check_attributes, check_part, packed_attributes, section_member,
 };
 use super::error::LayoutError;
 use super::resource::{Array, Attribute, Resource};
@@ -54,26 +54,6 @@ impl ShapesBatch {
         [self.positions, self.normals, self.tangents]
     }
 
-    fn check(&self, model: &Model<impl AsRef<[u8]>>, skin: &Skin<'_>) -> Result<(), LayoutError> {
-        if skin.file() != model.id() {
-            return Err(LayoutError::OtherFile { part: PartKind::Skin });
-        }
-        if self.instance_len == 0 {
-            return Err(LayoutError::NoInstances);
-        }
-        if self.attributes().iter().all(Option::is_none) {
-            return Err(LayoutError::NoOutput);
-        }
-        let (Range { start, end }, vertex_len) = (self.vertices.clone(), skin.vertex_len());
-        if start > end || end > vertex_len {
-            return Err(LayoutError::VertexRange { start, end, vertex_len });
-        }
-        if self.tangents.is_some() && !skin.has_tangents() {
-            return Err(LayoutError::NoTangents);
-        }
-        check_attribute_strides(self.attributes())
-    }
-
     /// Counts the blocks that contain vertices of the range.
     fn block_len(&self) -> u64 {
         let Range { start, end } = self.vertices;
@@ -107,7 +87,10 @@ pub(super) fn demand(
     skin: &Skin<'_>,
     batch: &ShapesBatch,
 ) -> Result<Demand, LayoutError> {
-    batch.check(model, skin)?;
+    check_part(model, (PartKind::Skin, skin.file()), batch.instance_len)?;
+    let (vertices, vertex_len) = (batch.vertices.clone(), skin.vertex_len());
+    let is_within = vertices.end <= vertex_len;
+    check_attributes(batch.attributes(), vertices, vertex_len, is_within, skin.has_tangents())?;
     let counts = [
         ("vertex_first", batch.vertices.start),
         ("vertex_len", batch.vertices.len()),
@@ -116,7 +99,7 @@ pub(super) fn demand(
     let counts = counts.map(|(name, number)| (name, Member::Number(number)));
     let sections = SECTIONS.map(|kind| section_member(model, Some(skin.part()), kind));
     let names = ["weights_offset", "weights_stride"];
-    let weights = array_members(names, Resource::Weights, Some(batch.weights));
+    let weights = array_members([(names, Resource::Weights, Some(batch.weights))]);
     let attributes = attribute_members(batch.attributes());
     let members = counts.into_iter().chain(sections).chain(weights).chain(attributes);
     Ok(Demand {

@@ -4,9 +4,6 @@ use super::error::Error;
 use crate::layout::{DeviceLimits, Plan, Resource, Stage};
 use ash::{Device, vk};
 
-/// Largest number of bindings of a stage.
-const BINDINGS_MAX: usize = 5;
-
 /// The pipelines of some stages, with their layouts.
 ///
 /// Dropping does not free the pipelines, because that takes the host's device and callbacks; call
@@ -43,8 +40,14 @@ impl Pipelines {
     ) -> Result<Self, Error> {
         let mut pipelines = Self { stages: Vec::with_capacity(stages.len()) };
         for &stage in stages {
+            let mut made = Pipeline {
+                stage,
+                set_layout: vk::DescriptorSetLayout::null(),
+                layout: vk::PipelineLayout::null(),
+                pipeline: vk::Pipeline::null(),
+            };
             // SAFETY: as our own caller promises.
-            let (made, result) = unsafe { Pipeline::new(device, stage, cache, callbacks) };
+            let result = unsafe { made.make(device, cache, callbacks) };
             pipelines.stages.push(made);
             if let Err(error) = result {
                 // SAFETY: nothing has used the pipelines; they come from this device and these
@@ -93,28 +96,8 @@ impl Pipelines {
 }
 
 impl Pipeline {
-    /// Returns the objects of a stage. If a call fails, the error comes with the objects made so
-    /// far.
+    /// Makes the objects of the stage. If a call fails, the objects made so far stay.
     ///
-    /// # Safety
-    /// As for [`Pipelines::new`].
-    unsafe fn new(
-        device: &Device,
-        stage: Stage,
-        cache: vk::PipelineCache,
-        callbacks: Option<&vk::AllocationCallbacks<'_>>,
-    ) -> (Self, Result<(), Error>) {
-        let mut made = Self {
-            stage,
-            set_layout: vk::DescriptorSetLayout::null(),
-            layout: vk::PipelineLayout::null(),
-            pipeline: vk::Pipeline::null(),
-        };
-        // SAFETY: as our own caller promises.
-        let result = unsafe { made.make(device, cache, callbacks) };
-        (made, result)
-    }
-
     /// # Safety
     /// As for [`Pipelines::new`].
     unsafe fn make(
@@ -123,8 +106,15 @@ impl Pipeline {
         cache: vk::PipelineCache,
         callbacks: Option<&vk::AllocationCallbacks<'_>>,
     ) -> Result<(), Error> {
-        let (bindings, len) = bindings(self.stage);
-        let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings[..len]);
+        let bindings = self.stage.bindings().iter().zip(0..).map(|(binding, number)| {
+            vk::DescriptorSetLayoutBinding::default()
+                .binding(number)
+                .descriptor_type(descriptor_type(binding.resource))
+                .descriptor_count(1)
+                .stage_flags(vk::ShaderStageFlags::COMPUTE)
+        });
+        let bindings: Vec<_> = bindings.collect();
+        let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the bindings have distinct numbers and live through the call.
         self.set_layout = unsafe { device.create_descriptor_set_layout(&info, callbacks) }
             .map_err(Error::while_doing("making a descriptor set layout"))?;
@@ -157,20 +147,6 @@ impl Pipeline {
         self.pipeline = made.first().copied().unwrap_or_default();
         Ok(())
     }
-}
-
-/// Returns a stage's bindings and their number.
-fn bindings(stage: Stage) -> ([vk::DescriptorSetLayoutBinding<'static>; BINDINGS_MAX], usize) {
-    let mut bindings = [vk::DescriptorSetLayoutBinding::default(); BINDINGS_MAX];
-    let own = stage.bindings();
-    for ((number, out), binding) in (0..).zip(&mut bindings).zip(own) {
-        *out = vk::DescriptorSetLayoutBinding::default()
-            .binding(number)
-            .descriptor_type(descriptor_type(binding.resource))
-            .descriptor_count(1)
-            .stage_flags(vk::ShaderStageFlags::COMPUTE);
-    }
-    (bindings, own.len())
 }
 
 /// Returns the descriptor type of a resource.

@@ -3,7 +3,7 @@
 use super::bound::{Bound, Buffers};
 use super::error::{Error, scoped};
 use super::pipelines::{Pipelines, limits, usage};
-use crate::headless::{self, DeviceInfo, HeadlessError};
+use crate::headless::{self, DeviceInfo, HeadlessError, refused};
 use crate::layout::{DeviceLimits, LayoutError, Plan, Resource, Stage};
 use ::wgpu::{
     Adapter, Backends, Buffer, BufferDescriptor, BufferUsages, CommandEncoder,
@@ -66,10 +66,7 @@ impl Device {
             required_limits: Limits::downlevel_defaults(),
             ..Default::default()
         }));
-        let (device, queue) = opened.map_err(|error| HeadlessError::Refused {
-            doing: "opening the device",
-            detail: error.to_string(),
-        })?;
+        let (device, queue) = opened.map_err(refused("opening the device"))?;
         let lost = Arc::new(Mutex::new(None));
         let reported = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
@@ -134,24 +131,20 @@ impl Device {
             encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
             Ok(())
         })?;
-        let refused = |detail: String| HeadlessError::Refused { doing: "mapping a buffer", detail };
+        const MAPPING: &str = "mapping a buffer";
         let (send, receive) = mpsc::channel();
         // Sending fails only if this function has returned.
         copy.map_async(MapMode::Read, .., move |mapped| drop(send.send(mapped)));
         self.wait()?;
-        let mapped = receive.recv().map_err(|error| refused(error.to_string()))?;
-        mapped.map_err(|error| refused(error.to_string()))?;
-        let view = copy.get_mapped_range(..).map_err(|error| refused(error.to_string()))?;
+        receive.recv().map_err(refused(MAPPING))?.map_err(refused(MAPPING))?;
+        let view = copy.get_mapped_range(..).map_err(refused(MAPPING))?;
         Ok(view.to_vec())
     }
 
     fn wait(&self) -> Result<(), HeadlessError> {
         let polled = self.device.poll(PollType::wait_indefinitely());
         self.check_alive()?;
-        polled.map(drop).map_err(|error| HeadlessError::Refused {
-            doing: "waiting for the device",
-            detail: error.to_string(),
-        })
+        polled.map(drop).map_err(refused("waiting for the device"))
     }
 
     fn check_alive(&self) -> Result<(), HeadlessError> {
@@ -161,8 +154,7 @@ impl Device {
 
     fn buffer(&self, size: u64, usage: BufferUsages) -> Result<Buffer, HeadlessError> {
         self.check_alive()?;
-        let label = None;
-        let descriptor = BufferDescriptor { label, size, usage, mapped_at_creation: false };
+        let descriptor = BufferDescriptor { label: None, size, usage, mapped_at_creation: false };
         Ok(scoped(&self.device, "a buffer", || self.device.create_buffer(&descriptor))?)
     }
 
@@ -191,10 +183,10 @@ impl headless::Device for Device {
         plan: &Plan,
     ) -> Result<Box<dyn headless::Uploaded + '_>, HeadlessError> {
         let mut own: [Option<Buffer>; Resource::ALL.len()] = Default::default();
-        for resource in Resource::ALL {
+        for (resource, own) in Resource::ALL.into_iter().zip(&mut own) {
             let usage = usage(resource) | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
             if plan.bytes(resource) > 0 {
-                own[resource as usize] = Some(self.buffer(plan.bytes(resource), usage)?);
+                *own = Some(self.buffer(plan.bytes(resource), usage)?);
             }
         }
         let mut buffers = Buffers::new();
@@ -264,10 +256,6 @@ impl headless::Uploaded for Uploaded<'_> {
         self.device.submit(|encoder| Ok(self.bound.encode(encoder, instance_len)?))
     }
 
-    fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
-        self.device.submit(|encoder| Ok(self.bound.encode_stage(encoder, stage, instance_len)?))
-    }
-
     fn time_stage(
         &mut self,
         stage: Stage,
@@ -314,7 +302,7 @@ impl From<Error> for HeadlessError {
     fn from(error: Error) -> Self {
         match error {
             Error::Layout(error) => error.into(),
-            _ => Self::Refused { doing: "preparing a batch", detail: error.to_string() },
+            _ => refused("preparing a batch")(error),
         }
     }
 }

@@ -82,7 +82,7 @@ impl Pipelines {
 
 impl Pipeline {
     fn new(device: &Device, stage: Stage) -> Result<Self, Error> {
-        let made = scoped(device, stage.name(), || {
+        scoped(device, stage.name(), || {
             let layout = layout(device, stage);
             let source = ShaderSource::Wgsl(stage.wgsl().into());
             let label = Some(stage.name());
@@ -101,8 +101,7 @@ impl Pipeline {
                 cache: None,
             });
             Self { pipeline, layout }
-        })?;
-        Ok(made)
+        })
     }
 }
 

@@ -70,6 +70,11 @@ impl<T> Array<T> {
         Self::new(at, 1, argument)
     }
 
+    /// Returns the array of a call that has none.
+    pub(crate) fn none() -> Result<Self, sinew_error> {
+        Self::new(ptr::null(), 0, sinew_argument::Call)
+    }
+
     /// Checks a pointer to one value that may be null.
     pub(crate) fn optional(at: *const T, argument: sinew_argument) -> Result<Self, sinew_error> {
         Self::new(at, usize::from(!at.is_null()), argument)

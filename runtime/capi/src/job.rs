@@ -152,21 +152,12 @@ pub unsafe extern "C" fn sinew_skin_bounds(
     out_bounds: *mut sinew_bounds,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (skin, [own, model, file]) = unsafe { part::view(skin) }?;
-        let palette =
-            Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
-        let out = Array::one(out_bounds, sinew_argument::Result)?;
-        border::check_disjoint(&[out.span()], &[own, model, file, palette.span()])?;
-        // SAFETY: lent by the caller.
-        let bounds = skin.bounds(unsafe { palette.read() }, rest_offset)?;
-        // SAFETY: one element, which the caller allows to be written.
-        unsafe { out.store(checked_bounds(bounds)?) };
-        Ok(())
+    let palette = Array::new(palette.cast(), palette_len, sinew_argument::Palette);
+    let answer = |skin: &Skin<'_>, palette: &[Matrix3x4], _: &[f32]| {
+        checked_bounds(skin.bounds(palette, rest_offset)?)
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::compute(skin, (palette, Array::none()), out_bounds, out_error, answer) }
 }
 
 /// A shape of a skin.
@@ -278,22 +269,13 @@ pub unsafe extern "C" fn sinew_shapes_bounds(
     out_bounds: *mut sinew_bounds,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (skin, [own, model, file]) = unsafe { part::view(skin) }?;
-        let palette =
-            Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
-        let weights = Array::new(weights, weights_len, sinew_argument::ShapeWeights)?;
-        let out = Array::one(out_bounds, sinew_argument::Result)?;
-        border::check_disjoint(&[out.span()], &[own, model, file, palette.span(), weights.span()])?;
-        // SAFETY: lent by the caller.
-        let bounds = skin.shaped_bounds(unsafe { palette.read() }, unsafe { weights.read() })?;
-        // SAFETY: one element, which the caller allows to be written.
-        unsafe { out.store(checked_bounds(bounds)?) };
-        Ok(())
+    let palette = Array::new(palette.cast(), palette_len, sinew_argument::Palette);
+    let weights = Array::new(weights, weights_len, sinew_argument::ShapeWeights);
+    let answer = |skin: &Skin<'_>, palette: &[Matrix3x4], weights: &[f32]| {
+        checked_bounds(skin.shaped_bounds(palette, weights)?)
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::compute(skin, (palette, weights), out_bounds, out_error, answer) }
 }
 
 /// Checks an attribute of the caller's rest mesh, which may be left out.

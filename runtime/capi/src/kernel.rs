@@ -4,7 +4,7 @@ use crate::argument::sinew_argument;
 use crate::border::{Array, Loaded};
 use crate::error::{sinew_error, sinew_status};
 use crate::model::sinew_model;
-use crate::part::{self, Evaluation, Opened, Opening, Slices};
+use crate::part::{self, Evaluation, Opened, Opening};
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::KernelMap;
@@ -208,15 +208,7 @@ pub unsafe extern "C" fn sinew_kernel_evaluate(
         confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe {
-        evaluation.run(
-            kernel,
-            out_error,
-            |kernel, Slices { input, scratch, output, confidences }| {
-                kernel.evaluate(input, scratch, output).map(|found| confidences.fill(found))
-            },
-        )
-    }
+    unsafe { evaluation.run_one(kernel, out_error, KernelMap::evaluate) }
 }
 
 /// Computes the derivatives of the m values with respect to the R numbers of a query. The values are those
@@ -244,11 +236,11 @@ pub unsafe extern "C" fn sinew_kernel_jacobian(
         input: Array::new(query, query_len, sinew_argument::Query),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_jacobian, jacobian_len, sinew_argument::Jacobian),
-        confidences: Array::optional(core::ptr::null(), sinew_argument::Confidences),
+        confidences: Array::none(),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(kernel, out_error, |kernel, Slices { input, scratch, output, .. }| {
+        evaluation.run(kernel, out_error, |kernel, input, scratch, output, _| {
             kernel.jacobian(input, scratch, output)
         })
     }
@@ -278,11 +270,11 @@ pub unsafe extern "C" fn sinew_kernel_variance(
         input: Array::new(query, query_len, sinew_argument::Query),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_variances, variances_len, sinew_argument::Variances),
-        confidences: Array::optional(core::ptr::null(), sinew_argument::Confidences),
+        confidences: Array::none(),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(kernel, out_error, |kernel, Slices { input, scratch, output, .. }| {
+        evaluation.run(kernel, out_error, |kernel, input, scratch, output, _| {
             kernel.variance(input, scratch, output)
         })
     }

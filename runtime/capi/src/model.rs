@@ -4,7 +4,7 @@ use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Object, Span};
 use crate::error::{sinew_error, sinew_status};
 use core::ffi::c_void;
-use core::mem::{align_of, size_of};
+use core::mem::{align_of, offset_of, size_of};
 use sinew_runtime::format::{Axis, Handedness};
 use sinew_runtime::{Limits, Model};
 
@@ -55,6 +55,13 @@ pub struct sinew_limits {
     /// Shapes of a skin.
     pub shapes: u32,
 }
+
+// Calls read and write the caller's limits as the runtime's structure, which has these fields in this order.
+const _: () = {
+    assert!(size_of::<sinew_limits>() == size_of::<Limits>());
+    assert!(offset_of!(sinew_limits, sections) == offset_of!(Limits, sections));
+    assert!(offset_of!(sinew_limits, shapes) == offset_of!(Limits, shapes));
+};
 
 /// A signed axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,21 +140,9 @@ pub unsafe extern "C" fn sinew_limits_default(
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let body = || {
-        let out = Array::one(out_limits, sinew_argument::Result)?;
-        let Limits { file_bytes, parts, sections, vertices, joints, proxies, influences, shapes } =
-            Limits::DEFAULT;
-        let limits = sinew_limits {
-            file_bytes,
-            parts,
-            sections,
-            vertices,
-            joints,
-            proxies,
-            influences,
-            shapes,
-        };
+        let out = Array::one(out_limits.cast::<Limits>(), sinew_argument::Result)?;
         // SAFETY: one element, which the caller allows to be written.
-        unsafe { out.store(limits) };
+        unsafe { out.store(Limits::DEFAULT) };
         Ok(())
     };
     // SAFETY: the caller's promise is passed on.
@@ -180,13 +175,13 @@ pub unsafe extern "C" fn sinew_model_load(
     let body = || {
         let place = border::place::<sinew_model>(memory, memory_bytes)?;
         let file = Array::new(file, file_bytes, sinew_argument::File)?;
-        let limits = Array::optional(limits, sinew_argument::Limits)?;
+        let limits = Array::optional(limits.cast::<Limits>(), sinew_argument::Limits)?;
         let out = Array::one(out_model, sinew_argument::Result)?;
         border::check_disjoint(&[place.span(), out.span()], &[file.span(), limits.span()])?;
         // SAFETY: the caller keeps the file for as long as the model is in use.
         let file = unsafe { file.read() };
         // SAFETY: lent by the caller, and copied immediately.
-        let limits = unsafe { limits.read() }.first().map_or(Limits::DEFAULT, Limits::from);
+        let limits = unsafe { limits.read() }.first().copied().unwrap_or_default();
         let model = Model::from_bytes_with(file, &limits)?;
         // SAFETY: the memory is large enough, aligned, lent by the caller, and does not overlap the file.
         unsafe { place.store(sinew_model(Loaded::new::<sinew_model>(model))) };
@@ -313,21 +308,5 @@ fn axis(axis: Option<Axis>) -> sinew_axis {
         Some(Axis::MinusY) => sinew_axis::MinusY,
         Some(Axis::Z) => sinew_axis::Z,
         Some(Axis::MinusZ) => sinew_axis::MinusZ,
-    }
-}
-
-impl From<&sinew_limits> for Limits {
-    fn from(limits: &sinew_limits) -> Self {
-        let sinew_limits {
-            file_bytes,
-            parts,
-            sections,
-            vertices,
-            joints,
-            proxies,
-            influences,
-            shapes,
-        } = *limits;
-        Self { file_bytes, parts, sections, vertices, joints, proxies, influences, shapes }
     }
 }

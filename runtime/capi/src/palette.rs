@@ -4,9 +4,9 @@ use crate::argument::sinew_argument;
 use crate::border::{self, Array};
 use crate::envelope::{sinew_envelope, sinew_local_transform, sinew_matrix};
 use crate::error::{sinew_error, sinew_status};
-use crate::part::{self, Evaluation, Slices};
+use crate::part::Evaluation;
 use sinew_runtime::envelope::Level;
-use sinew_runtime::{LocalTransform, Matrix3x4, model_space_pose};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
 
 /// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that already
 /// has skinning matrices (rest to posed, model space) does not need this call.
@@ -25,18 +25,18 @@ pub unsafe extern "C" fn sinew_envelope_pose(
     pose_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
-        let local = Array::new(local.cast::<LocalTransform>(), local_len, sinew_argument::Local)?;
-        let out = Array::new(out_pose.cast::<Matrix3x4>(), pose_len, sinew_argument::Pose)?;
-        border::check_disjoint(&[out.span()], &[own, model, file, local.span()])?;
-        // SAFETY: lent by the caller; written memory overlaps nothing else.
-        let (local, out) = unsafe { (local.read(), out.write()) };
-        Ok(model_space_pose(&envelope, local, out)?)
+    let evaluation = Evaluation::<LocalTransform, Matrix3x4> {
+        input: Array::new(local.cast(), local_len, sinew_argument::Local),
+        scratch: Array::none(),
+        output: Array::new(out_pose.cast(), pose_len, sinew_argument::Pose),
+        confidences: Array::none(),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe {
+        evaluation.run(envelope, out_error, |envelope, local, _, out, _| {
+            model_space_pose(envelope, local, out)
+        })
+    }
 }
 
 /// Computes the palette of a pose and its confidence.
@@ -71,15 +71,7 @@ pub unsafe extern "C" fn sinew_envelope_palette(
         confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe {
-        evaluation.run(
-            envelope,
-            out_error,
-            |envelope, Slices { input, scratch, output, confidences }| {
-                envelope.palette(input, scratch, output).map(|found| confidences.fill(found))
-            },
-        )
-    }
+    unsafe { evaluation.run_one(envelope, out_error, Envelope::palette) }
 }
 
 /// How much of an envelope is evaluated.
@@ -128,15 +120,9 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(
-            envelope,
-            out_error,
-            |envelope, Slices { input, scratch, output, confidences }| {
-                envelope
-                    .palette_at(known, input, scratch, output)
-                    .map(|found| confidences.fill(found))
-            },
-        )
+        evaluation.run_one(envelope, out_error, |envelope, input, scratch, output| {
+            envelope.palette_at(known, input, scratch, output)
+        })
     }
 }
 
@@ -164,18 +150,14 @@ pub unsafe extern "C" fn sinew_envelope_joint_confidences(
     let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
         input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
-        output: Array::optional(core::ptr::null(), sinew_argument::Palette),
+        output: Array::none(),
         confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(
-            envelope,
-            out_error,
-            |envelope, Slices { input, scratch, confidences, .. }| {
-                envelope.joint_confidences(input, scratch, confidences)
-            },
-        )
+        evaluation.run(envelope, out_error, |envelope, input, scratch, _, out| {
+            envelope.joint_confidences(input, scratch, out)
+        })
     }
 }
 
@@ -209,15 +191,7 @@ pub unsafe extern "C" fn sinew_envelope_palettes(
         confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe {
-        evaluation.run(
-            envelope,
-            out_error,
-            |envelope, Slices { input, scratch, output, confidences }| {
-                envelope.palettes(input, scratch, output, confidences)
-            },
-        )
-    }
+    unsafe { evaluation.run(envelope, out_error, Envelope::palettes) }
 }
 
 /// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope; other
@@ -245,15 +219,5 @@ pub unsafe extern "C" fn sinew_envelope_rotational_palette(
         confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe {
-        evaluation.run(
-            envelope,
-            out_error,
-            |envelope, Slices { input, scratch, output, confidences }| {
-                envelope
-                    .rotational_palette(input, scratch, output)
-                    .map(|found| confidences.fill(found))
-            },
-        )
-    }
+    unsafe { evaluation.run_one(envelope, out_error, Envelope::rotational_palette) }
 }

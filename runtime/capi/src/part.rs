@@ -173,12 +173,34 @@ pub(crate) unsafe fn describe<'a, T: Part + 'a, V>(
     out_error: *mut sinew_error,
     answer: impl FnOnce(&T::View<'a>) -> Result<V, sinew_error>,
 ) -> sinew_status {
+    let inputs = (Array::<u8>::none(), Array::<u8>::none());
+    // SAFETY: the caller's promise is passed on.
+    unsafe { compute(at, inputs, out, out_error, |view, _, _| answer(view)) }
+}
+
+/// An array, or the error about it. Errors about the part are reported before this error.
+pub(crate) type Checked<T> = Result<Array<T>, sinew_error>;
+
+/// Runs a call that stores in `out` the value that `answer` computes from the view and two arrays.
+///
+/// # Safety
+/// As for [`view`]; the arrays may be read, `out` and `out_error` may be written.
+pub(crate) unsafe fn compute<'a, T: Part + 'a, I, J, V>(
+    at: *const T,
+    inputs: (Checked<I>, Checked<J>),
+    out: *mut V,
+    out_error: *mut sinew_error,
+    answer: impl FnOnce(&T::View<'a>, &[I], &[J]) -> Result<V, sinew_error>,
+) -> sinew_status {
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        let (view, reads) = unsafe { view(at) }?;
+        let (view, [own, model, file]) = unsafe { view(at) }?;
+        let (first, second) = (inputs.0?, inputs.1?);
         let out = Array::one(out, sinew_argument::Result)?;
+        let reads = [own, model, file, first.span(), second.span()];
         border::check_disjoint(&[out.span()], &reads)?;
-        let value = answer(&view)?;
+        // SAFETY: lent by the caller; written memory overlaps none of it.
+        let value = unsafe { answer(&view, first.read(), second.read()) }?;
         // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(value) };
         Ok(())
@@ -187,10 +209,7 @@ pub(crate) unsafe fn describe<'a, T: Part + 'a, V>(
     unsafe { border::call(out_error, body) }
 }
 
-/// An array, or the error about it. Errors about the part are reported before this error.
-pub(crate) type Checked<T> = Result<Array<T>, sinew_error>;
-
-/// Arguments of a call that evaluates a part. Outputs that the call does not have are empty arrays.
+/// Arguments of a call that evaluates a part. Arrays that the call does not have are empty.
 pub(crate) struct Evaluation<I, O> {
     pub(crate) input: Checked<I>,
     pub(crate) scratch: Checked<f32>,
@@ -198,16 +217,9 @@ pub(crate) struct Evaluation<I, O> {
     pub(crate) confidences: Checked<f32>,
 }
 
-/// The arrays of an [`Evaluation`], borrowed for the runtime.
-pub(crate) struct Slices<'a, I, O> {
-    pub(crate) input: &'a [I],
-    pub(crate) scratch: &'a mut [f32],
-    pub(crate) output: &'a mut [O],
-    pub(crate) confidences: &'a mut [f32],
-}
-
 impl<I, O> Evaluation<I, O> {
-    /// Runs the call: checks handle and arrays, then evaluates the part by a function of the runtime.
+    /// Runs the call: checks handle and arrays, then evaluates the part by a function of the runtime. The function
+    /// takes the arrays in the order of the fields.
     ///
     /// # Safety
     /// As for [`view`]; the input may be read, all other arrays and `out_error` may be written.
@@ -215,7 +227,13 @@ impl<I, O> Evaluation<I, O> {
         self,
         at: *const T,
         out_error: *mut sinew_error,
-        evaluate: impl FnOnce(&T::View<'a>, Slices<'_, I, O>) -> Result<(), CallError>,
+        evaluate: impl FnOnce(
+            &T::View<'a>,
+            &[I],
+            &mut [f32],
+            &mut [O],
+            &mut [f32],
+        ) -> Result<(), CallError>,
     ) -> sinew_status {
         let body = || {
             // SAFETY: the caller's promise is passed on.
@@ -225,17 +243,30 @@ impl<I, O> Evaluation<I, O> {
             let written = [scratch.span(), output.span(), confidences.span()];
             border::check_disjoint(&written, &[own, model, file, input.span()])?;
             // SAFETY: lent by the caller; written memory overlaps nothing else.
-            let slices = unsafe {
-                Slices {
-                    input: input.read(),
-                    scratch: scratch.write(),
-                    output: output.write(),
-                    confidences: confidences.write(),
-                }
-            };
-            Ok(evaluate(&view, slices)?)
+            let (input, scratch) = unsafe { (input.read(), scratch.write()) };
+            // SAFETY: as above.
+            let (output, confidences) = unsafe { (output.write(), confidences.write()) };
+            Ok(evaluate(&view, input, scratch, output, confidences)?)
         };
         // SAFETY: the caller's promise is passed on.
         unsafe { border::call(out_error, body) }
+    }
+
+    /// Runs the call as [`Evaluation::run`] does. The function returns one confidence, which is stored.
+    ///
+    /// # Safety
+    /// As for [`Evaluation::run`].
+    pub(crate) unsafe fn run_one<'a, T: Part + 'a>(
+        self,
+        at: *const T,
+        out_error: *mut sinew_error,
+        evaluate: impl FnOnce(&T::View<'a>, &[I], &mut [f32], &mut [O]) -> Result<f32, CallError>,
+    ) -> sinew_status {
+        // SAFETY: the caller's promise is passed on.
+        unsafe {
+            self.run(at, out_error, |view, input, scratch, output, confidences| {
+                evaluate(view, input, scratch, output).map(|found| confidences.fill(found))
+            })
+        }
     }
 }

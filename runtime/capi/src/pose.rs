@@ -7,7 +7,7 @@ use crate::error::{sinew_error, sinew_status};
 use crate::part;
 use core::ffi::{CStr, c_char};
 use sinew_runtime::envelope::{FOLDED, PoseFault, PoseFaultKind};
-use sinew_runtime::{LocalTransform, Matrix3x4, gather_pose, scale_palette, take_scale};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, gather_pose, scale_palette, take_scale};
 
 /// Entry of a joint map for a joint that the skeleton lacks. The joint moves with its parent.
 pub const SINEW_FOLDED: u32 = u32::MAX;
@@ -222,25 +222,16 @@ pub unsafe extern "C" fn sinew_envelope_check_pose(
     out_fault: *mut sinew_pose_fault,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
-        let pose = Array::new(pose.cast::<Matrix3x4>(), pose_len, sinew_argument::Pose)?;
-        let out = Array::one(out_fault, sinew_argument::Result)?;
-        border::check_disjoint(&[out.span()], &[own, model, file, pose.span()])?;
-        // SAFETY: lent by the caller; written memory does not overlap it.
-        let pose = unsafe { pose.read() };
+    let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
+    let answer = |envelope: &Envelope<'_>, pose: &[Matrix3x4], _: &[f32]| {
         if pose.len() != envelope.joint_len() {
             let error = sinew_error::new(sinew_status::Length, sinew_argument::Pose);
             return Err(error.values(envelope.joint_len(), pose.len()));
         }
-        let fault = envelope.check_pose(pose).map_or_else(sinew_pose_fault::from, |()| NO_FAULT);
-        // SAFETY: one element, which the caller allows to be written.
-        unsafe { out.store(fault) };
-        Ok(())
+        Ok(envelope.check_pose(pose).map_or_else(sinew_pose_fault::from, |()| NO_FAULT))
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::compute(envelope, (pose, Array::none()), out_fault, out_error, answer) }
 }
 
 /// Returns the remedy for a mistake in a pose as zero-terminated text. Other numbers give "unknown

@@ -10,7 +10,7 @@ use crate::skin::sinew_skin;
 use core::ffi::{c_char, c_void};
 use core::mem::{align_of, size_of};
 use sinew_runtime::prior::{Anchor, PriorLayout, Temporal};
-use sinew_runtime::{Matrix3x4, Pin, PinJob, Pins, Prior};
+use sinew_runtime::{Matrix3x4, Pin, PinJob, Pins, Prior, Skin};
 
 /// Length of a `uintptr_t` array that can hold a prior on every target:
 /// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
@@ -219,29 +219,19 @@ pub unsafe extern "C" fn sinew_skin_place(
     out_place: *mut [f32; 3],
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (skin, [own, model, file]) = unsafe { part::view(skin) }?;
-        let palette =
-            Array::new(palette.cast::<Matrix3x4>(), palette_len, sinew_argument::Palette)?;
-        let weights = Array::new(weights, weights_len, sinew_argument::ShapeWeights)?;
-        let out = Array::one(out_place, sinew_argument::Result)?;
-        let reads = [own, model, file, palette.span(), weights.span()];
-        border::check_disjoint(&[out.span()], &reads)?;
+    let palette = Array::new(palette.cast(), palette_len, sinew_argument::Palette);
+    let weights = Array::new(weights, weights_len, sinew_argument::ShapeWeights);
+    let answer = |skin: &Skin<'_>, palette: &[Matrix3x4], weights: &[f32]| {
         if palette_len != skin.palette_len() {
             let error = sinew_error::new(sinew_status::Length, sinew_argument::Palette);
             return Err(error.values(skin.palette_len(), palette_len));
         }
         let (at, len) = (vertex as usize, skin.vertex_len());
         let outside = sinew_error::out_of_range(sinew_argument::Vertices, at, len);
-        // SAFETY: lent by the caller.
-        let place = unsafe { skin.place(vertex, palette.read(), weights.read()) }.ok_or(outside)?;
-        // SAFETY: one element, which the caller allows to be written.
-        unsafe { out.store(place) };
-        Ok(())
+        skin.place(vertex, palette, weights).ok_or(outside)
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
+    unsafe { part::compute(skin, (palette, weights), out_place, out_error, answer) }
 }
 
 /// Runs a pin job. If no shape moves any pin, the weights stay unchanged.

@@ -4,6 +4,7 @@ use super::group::GroupRow;
 use crate::format::SectionKind;
 use crate::format::part::{Asked, COUNTS, SECTIONS, first_counts};
 use crate::format::rule::{ALWAYS, Rule};
+use crate::named::named;
 use crate::numeric::HALF_TURNS_MAX;
 
 /// Sentinel for "no joint": the parent of the root, or the residual joint of a key without one.
@@ -18,31 +19,26 @@ pub const BIND_TOLERANCE: f32 = 0.03;
 /// Largest Frobenius norm of a twist matrix; at this norm angles are still accurate to 4e-4.
 pub const TWIST_MAX: f32 = HALF_TURNS_MAX;
 
-/// Predictor of an envelope's palette (METHOD §1.9).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Predictor {
-    /// Rotational regression and reconstruction (S3): the palette is the P proxies.
-    Rotational = 1,
-    /// The palette is the J joints and P helpers. Kernel maps move the helpers in the frames of their dominant joints.
-    Kernel = 2,
+named! {
+    /// Predictor of an envelope's palette (METHOD §1.9).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum Predictor {
+        /// Rotational regression and reconstruction (S3): the palette is the P proxies.
+        Rotational = 1, "rotational";
+        /// The palette is the J joints and P helpers. Kernel maps move the helpers in the frames of their dominant joints.
+        Kernel = 2, "kernel";
+    }
+    /// Every predictor.
+    ALL;
+    /// Returns the predictor's name on the command line.
+    name;
 }
 
 impl Predictor {
-    /// Every predictor.
-    pub const ALL: [Self; 2] = [Self::Rotational, Self::Kernel];
-
     /// Returns the predictor's number in the file.
     pub const fn number(self) -> u8 {
         self as u8
-    }
-
-    /// Returns the predictor's name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rotational => "rotational",
-            Self::Kernel => "kernel",
-        }
     }
 
     /// Returns the predictor with a number; `None` if there is none.

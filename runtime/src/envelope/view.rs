@@ -155,9 +155,7 @@ impl<'a> Envelope<'a> {
     /// Checks that a pose has J finite matrices.
     pub(crate) fn check_finite(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
         Argument::Pose.check_len(self.joint_len(), pose.len())?;
-        pose.iter().position(|m| !is_finite(m)).map_or(Ok(()), |joint| {
-            Err(CallError::new(CallErrorKind::NonFinite, Argument::Pose).at(joint))
-        })
+        Argument::Pose.check_finite(pose.iter().position(|m| !is_finite(m)))
     }
 
     pub(crate) fn names(&self) -> Names<'a> {

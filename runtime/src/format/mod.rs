@@ -20,6 +20,7 @@
 pub(crate) mod content;
 pub(crate) mod crc;
 mod error;
+pub(crate) mod flat;
 mod manifest;
 mod message;
 pub(crate) mod part;

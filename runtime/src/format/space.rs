@@ -1,30 +1,33 @@
 //! The coordinate space of a file: its axes and its unit of length.
 
 use super::message::SPACE_OFFSET;
+use crate::named::named;
 
-/// A direction along an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Axis {
-    /// Along x.
-    X = 1,
-    /// Against x.
-    MinusX = 2,
-    /// Along y.
-    Y = 3,
-    /// Against y.
-    MinusY = 4,
-    /// Along z.
-    Z = 5,
-    /// Against z.
-    MinusZ = 6,
+named! {
+    /// A direction along an axis.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum Axis {
+        /// Along x.
+        X = 1, "x";
+        /// Against x.
+        MinusX = 2, "-x";
+        /// Along y.
+        Y = 3, "y";
+        /// Against y.
+        MinusY = 4, "-y";
+        /// Along z.
+        Z = 5, "z";
+        /// Against z.
+        MinusZ = 6, "-z";
+    }
+    /// Every direction.
+    ALL;
+    /// Returns its name, as on the command line.
+    name;
 }
 
 impl Axis {
-    /// Every direction.
-    pub const ALL: [Self; 6] =
-        [Self::X, Self::MinusX, Self::Y, Self::MinusY, Self::Z, Self::MinusZ];
-
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
         self as u8
@@ -33,18 +36,6 @@ impl Axis {
     /// Returns the direction of this number.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
-    }
-
-    /// Returns its name, as on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::X => "x",
-            Self::MinusX => "-x",
-            Self::Y => "y",
-            Self::MinusY => "-y",
-            Self::Z => "z",
-            Self::MinusZ => "-z",
-        }
     }
 
     /// Whether both directions lie along one axis.

@@ -1,92 +1,49 @@
 //! Rows of the two tables, kinds of parts, and types of elements.
 
-/// A kind of part. A number never changes meaning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u16)]
-pub enum PartKind {
-    /// Predicts a palette from a pose (METHOD §1).
-    Envelope = 1,
-    /// A mesh that follows a palette.
-    Skin = 2,
-    /// A function of a few numbers (METHOD §2).
-    #[cfg(feature = "kernel")]
-    Kernel = 3,
-    /// Prior of the weights of a skin's shapes (METHOD §5.1).
-    #[cfg(feature = "prior")]
-    Prior = 4,
-    /// A drawn object between its key views (METHOD §6).
-    #[cfg(feature = "views")]
-    Views = 5,
-    /// Increases the sampling rate of a signal (METHOD §4).
-    #[cfg(feature = "filter")]
-    Filter = 6,
-    /// Record of an envelope's training.
-    #[cfg(feature = "record")]
-    Record = 7,
+use crate::named::named;
+
+named! {
+    /// A kind of part. A number never changes meaning.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u16)]
+    pub enum PartKind {
+        /// Predicts a palette from a pose (METHOD §1).
+        Envelope = 1, "envelope";
+        /// A mesh that follows a palette.
+        Skin = 2, "skin";
+        /// A function of a few numbers (METHOD §2).
+        Kernel = 3, "kernel" if "kernel";
+        /// Prior of the weights of a skin's shapes (METHOD §5.1).
+        Prior = 4, "prior" if "prior";
+        /// A drawn object between its key views (METHOD §6).
+        Views = 5, "views" if "views";
+        /// Increases the sampling rate of a signal (METHOD §4).
+        Filter = 6, "filter" if "filter";
+        /// Record of an envelope's training.
+        Record = 7, "record" if "record";
+    }
+    /// Every kind that this reader knows.
+    ALL;
+    /// Returns its name, as on the command line.
+    name;
 }
 
 impl PartKind {
-    /// Every kind that this reader knows.
-    pub const ALL: [Self;
-        2 + cfg!(feature = "kernel") as usize
-            + cfg!(feature = "prior") as usize
-            + cfg!(feature = "views") as usize
-            + cfg!(feature = "filter") as usize
-            + cfg!(feature = "record") as usize] = [
-        Self::Envelope,
-        Self::Skin,
-        #[cfg(feature = "kernel")]
-        Self::Kernel,
-        #[cfg(feature = "prior")]
-        Self::Prior,
-        #[cfg(feature = "views")]
-        Self::Views,
-        #[cfg(feature = "filter")]
-        Self::Filter,
-        #[cfg(feature = "record")]
-        Self::Record,
-    ];
-
     /// Returns its number in the file.
     pub const fn number(self) -> u16 {
         self as u16
     }
 
-    /// Returns its name, as on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Envelope => "envelope",
-            Self::Skin => "skin",
-            #[cfg(feature = "kernel")]
-            Self::Kernel => "kernel",
-            #[cfg(feature = "prior")]
-            Self::Prior => "prior",
-            #[cfg(feature = "views")]
-            Self::Views => "views",
-            #[cfg(feature = "filter")]
-            Self::Filter => "filter",
-            #[cfg(feature = "record")]
-            Self::Record => "record",
-        }
-    }
-
     /// Returns the kind with this number.
     pub const fn from_number(number: u16) -> Option<Self> {
-        match number {
-            1 => Some(Self::Envelope),
-            2 => Some(Self::Skin),
-            #[cfg(feature = "kernel")]
-            3 => Some(Self::Kernel),
-            #[cfg(feature = "prior")]
-            4 => Some(Self::Prior),
-            #[cfg(feature = "views")]
-            5 => Some(Self::Views),
-            #[cfg(feature = "filter")]
-            6 => Some(Self::Filter),
-            #[cfg(feature = "record")]
-            7 => Some(Self::Record),
-            _ => None,
+        let mut at = 0;
+        while at < Self::ALL.len() {
+            if Self::ALL[at].number() == number {
+                return Some(Self::ALL[at]);
+            }
+            at += 1;
         }
+        None
     }
 }
 
@@ -131,43 +88,34 @@ impl PartRow {
     }
 }
 
-/// Type of a section's elements. A number never changes meaning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Element {
-    /// Records or text, in a layout that depends on the section's kind.
-    Mixed = 0,
-    /// IEEE 754 single precision.
-    F32 = 1,
-    /// Unsigned, 16 bits.
-    U16 = 2,
-    /// Unsigned, 32 bits.
-    U32 = 3,
-    /// IEEE 754 half precision.
-    F16 = 4,
-    /// Signed, 8 bits, two's complement.
-    I8 = 5,
+named! {
+    /// Type of a section's elements. A number never changes meaning.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum Element {
+        /// Records or text, in a layout that depends on the section's kind.
+        Mixed = 0, "mixed";
+        /// IEEE 754 single precision.
+        F32 = 1, "f32";
+        /// Unsigned, 16 bits.
+        U16 = 2, "u16";
+        /// Unsigned, 32 bits.
+        U32 = 3, "u32";
+        /// IEEE 754 half precision.
+        F16 = 4, "f16";
+        /// Signed, 8 bits, two's complement.
+        I8 = 5, "i8";
+    }
+    /// Every type.
+    ALL;
+    /// Returns its name, as in FORMAT.md.
+    name;
 }
 
 impl Element {
-    /// Every type.
-    pub const ALL: [Self; 6] = [Self::Mixed, Self::F32, Self::U16, Self::U32, Self::F16, Self::I8];
-
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
         self as u8
-    }
-
-    /// Returns its name, as in FORMAT.md.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Mixed => "mixed",
-            Self::F32 => "f32",
-            Self::U16 => "u16",
-            Self::U32 => "u32",
-            Self::F16 => "f16",
-            Self::I8 => "i8",
-        }
     }
 
     /// Returns the bytes of one number; 1 for mixed elements.

@@ -3,6 +3,7 @@
 use super::rows::{InputRow, OutputRow};
 use super::rule::KernelRule;
 use crate::format::SectionKind;
+use crate::format::flat::flat;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, Rule};
 
@@ -23,22 +24,9 @@ pub struct KernelFit {
     pub reciprocal_condition: f32,
 }
 
-impl KernelFit {
-    /// Bytes of section `kernel_fit`.
-    pub const BYTES: usize = 16;
-
-    /// Lists its figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 4] {
-        let Self { rms_residual, left_out_rms, rounding_error, reciprocal_condition } = *self;
-        [rms_residual, left_out_rms, rounding_error, reciprocal_condition]
-    }
-
-    /// Makes the fit from its figures.
-    pub const fn from_figures(figures: [f32; 4]) -> Self {
-        let [rms_residual, left_out_rms, rounding_error, reciprocal_condition] = figures;
-        Self { rms_residual, left_out_rms, rounding_error, reciprocal_condition }
-    }
-}
+flat! { KernelFit of "kernel_fit", figures, from_figures: [f32; 4] {
+    rms_residual, left_out_rms, rounding_error, reciprocal_condition
+} }
 
 /// Counts of a kernel. The length of every section follows from the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,42 +49,11 @@ pub struct KernelCounts {
     pub variance_len: u32,
 }
 
+flat! { KernelCounts of "kernel_counts", words, from_words: [u32; 8] {
+    input_len, output_len, feature_len, metric_len, centre_len, term_len, value_len, variance_len
+} }
+
 impl KernelCounts {
-    /// Bytes of section `kernel_counts`.
-    pub const BYTES: usize = 32;
-
-    /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 8] {
-        let Self { input_len, output_len, feature_len, metric_len, .. } = *self;
-        let Self { centre_len, term_len, value_len, variance_len, .. } = *self;
-        [
-            input_len,
-            output_len,
-            feature_len,
-            metric_len,
-            centre_len,
-            term_len,
-            value_len,
-            variance_len,
-        ]
-    }
-
-    /// Makes the counts from their words.
-    pub const fn from_words(words: [u32; 8]) -> Self {
-        let [input_len, output_len, feature_len, metric_len, rest @ ..] = words;
-        let [centre_len, term_len, value_len, variance_len] = rest;
-        Self {
-            input_len,
-            output_len,
-            feature_len,
-            metric_len,
-            centre_len,
-            term_len,
-            value_len,
-            variance_len,
-        }
-    }
-
     /// Returns c, the number of coordinates for distances: e, or d without a metric.
     pub const fn coordinate_len(&self) -> u32 {
         if self.metric_len > 0 { self.metric_len } else { self.feature_len }

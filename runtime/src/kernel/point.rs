@@ -52,9 +52,7 @@ impl<'s> Point<'s> {
 /// Checks the query's length, that its numbers are finite, and that rotations have a direction.
 pub(super) fn check(map: &KernelMap<'_>, query: &[f32]) -> Result<(), CallError> {
     Argument::Query.check_len(map.query_len(), query.len())?;
-    if let Some(number) = query.iter().position(|x| !x.is_finite()) {
-        return Err(CallError::new(CallErrorKind::NonFinite, Argument::Query).at(number));
-    }
+    Argument::Query.check_finite(query.iter().position(|x| !x.is_finite()))?;
     let is_nothing = |(input, numbers): (InputRow, &[f32])| {
         input.kind.is_rotation() && !squared_length(quaternion(numbers)).is_normal()
     };

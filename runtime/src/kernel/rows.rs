@@ -1,40 +1,36 @@
 //! Rows of the sections `inputs` and `outputs`: the numbers of a query, and those of its result.
 
 use crate::linear::{dot, floats, squared_length};
+use crate::named::named;
 use crate::skin::LENGTH_TOLERANCE;
 
-/// Kind of an input, which decides the features (METHOD §2.3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum InputKind {
-    /// A number.
-    Scalar = 1,
-    /// A vector of three numbers.
-    Vector3 = 2,
-    /// A rotation, with the 9 entries of its matrix by rows as features.
-    Rotation = 3,
-    /// A rotation, with the first two rows of its matrix as features.
-    TwoRows = 4,
-    /// Direction of an axis after a rotation: 3 features, independent of the twist.
-    Swing = 5,
-    /// Twist of a rotation about an axis: 2 features, without a seam.
-    Twist = 6,
-    /// Twist angle in radians, with a seam at half a turn. For rigs from other tools.
-    TwistAngle = 7,
+named! {
+    /// Kind of an input, which decides the features (METHOD §2.3).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum InputKind {
+        /// A number.
+        Scalar = 1, "scalar";
+        /// A vector of three numbers.
+        Vector3 = 2, "vector3";
+        /// A rotation, with the 9 entries of its matrix by rows as features.
+        Rotation = 3, "rotation";
+        /// A rotation, with the first two rows of its matrix as features.
+        TwoRows = 4, "two rows";
+        /// Direction of an axis after a rotation: 3 features, independent of the twist.
+        Swing = 5, "swing";
+        /// Twist of a rotation about an axis: 2 features, without a seam.
+        Twist = 6, "twist";
+        /// Twist angle in radians, with a seam at half a turn. For rigs from other tools.
+        TwistAngle = 7, "twist angle";
+    }
+    /// Every kind, by number from 1.
+    ALL;
+    /// Returns its name, as in FORMAT.md.
+    name;
 }
 
 impl InputKind {
-    /// Every kind, by number from 1.
-    pub const ALL: [Self; 7] = [
-        Self::Scalar,
-        Self::Vector3,
-        Self::Rotation,
-        Self::TwoRows,
-        Self::Swing,
-        Self::Twist,
-        Self::TwistAngle,
-    ];
-
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
         self as u8
@@ -43,19 +39,6 @@ impl InputKind {
     /// Returns the kind with this number.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
-    }
-
-    /// Returns its name, as in FORMAT.md.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Scalar => "scalar",
-            Self::Vector3 => "vector3",
-            Self::Rotation => "rotation",
-            Self::TwoRows => "two rows",
-            Self::Swing => "swing",
-            Self::Twist => "twist",
-            Self::TwistAngle => "twist angle",
-        }
     }
 
     /// Returns its numbers in a query: 1, 3, or the 4 of a quaternion x, y, z, w.
@@ -89,39 +72,28 @@ impl InputKind {
     }
 }
 
-/// Order of the three angles in an author's rotation; the first angle is applied first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum EulerOrder {
-    /// About x, then y, then z.
-    Xyz = 1,
-    /// About x, then z, then y.
-    Xzy = 2,
-    /// About y, then x, then z.
-    Yxz = 3,
-    /// About y, then z, then x.
-    Yzx = 4,
-    /// About z, then x, then y.
-    Zxy = 5,
-    /// About z, then y, then x.
-    Zyx = 6,
-}
-
-impl EulerOrder {
-    /// Every order, by number from 1.
-    pub const ALL: [Self; 6] = [Self::Xyz, Self::Xzy, Self::Yxz, Self::Yzx, Self::Zxy, Self::Zyx];
-
-    /// Returns its name, as in FORMAT.md.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Xyz => "XYZ",
-            Self::Xzy => "XZY",
-            Self::Yxz => "YXZ",
-            Self::Yzx => "YZX",
-            Self::Zxy => "ZXY",
-            Self::Zyx => "ZYX",
-        }
+named! {
+    /// Order of the three angles in an author's rotation; the first angle is applied first.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum EulerOrder {
+        /// About x, then y, then z.
+        Xyz = 1, "XYZ";
+        /// About x, then z, then y.
+        Xzy = 2, "XZY";
+        /// About y, then x, then z.
+        Yxz = 3, "YXZ";
+        /// About y, then z, then x.
+        Yzx = 4, "YZX";
+        /// About z, then x, then y.
+        Zxy = 5, "ZXY";
+        /// About z, then y, then x.
+        Zyx = 6, "ZYX";
     }
+    /// Every order, by number from 1.
+    ALL;
+    /// Returns its name, as in FORMAT.md.
+    name;
 }
 
 /// A row of section `inputs`.
@@ -175,23 +147,26 @@ impl InputRow {
     }
 }
 
-/// Kind of an output.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum OutputKind {
-    /// A number.
-    Scalar = 1,
-    /// A vector of three numbers.
-    Vector3 = 2,
-    /// A rotation, as a quaternion x, y, z, w of length 1. Its 3 values are its vector relative to
-    /// the neutral rotation.
-    Rotation = 3,
+named! {
+    /// Kind of an output.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum OutputKind {
+        /// A number.
+        Scalar = 1, "scalar";
+        /// A vector of three numbers.
+        Vector3 = 2, "vector3";
+        /// A rotation, as a quaternion x, y, z, w of length 1. Its 3 values are its vector relative to
+        /// the neutral rotation.
+        Rotation = 3, "rotation";
+    }
+    /// Every kind, by number from 1.
+    ALL;
+    /// Returns its name, as in FORMAT.md.
+    name;
 }
 
 impl OutputKind {
-    /// Every kind, by number from 1.
-    pub const ALL: [Self; 3] = [Self::Scalar, Self::Vector3, Self::Rotation];
-
     /// Returns its number in the file.
     pub const fn number(self) -> u8 {
         self as u8
@@ -200,15 +175,6 @@ impl OutputKind {
     /// Returns the kind with this number.
     pub fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
-    }
-
-    /// Returns its name, as in FORMAT.md.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Scalar => "scalar",
-            Self::Vector3 => "vector3",
-            Self::Rotation => "rotation",
-        }
     }
 
     /// Returns its number of values.

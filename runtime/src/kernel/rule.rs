@@ -1,58 +1,45 @@
 //! Choice of kernel, and rules for queries outside the data and for outputs.
 
 use super::function::Kernel;
+use crate::named::named;
 
-/// Rule for a query outside the data (METHOD §2.6).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum QueryRule {
-    /// Free: the function extrapolates.
-    Free = 0,
-    /// Clamp: each feature is clamped to its range.
-    Clamp = 1,
-    /// Fade: values approach the neutral values.
-    Fade = 2,
-}
-
-impl QueryRule {
-    /// Every rule, by number.
-    pub const ALL: [Self; 3] = [Self::Free, Self::Clamp, Self::Fade];
-
-    /// Returns its name, as in FORMAT.md.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Free => "free",
-            Self::Clamp => "clamp",
-            Self::Fade => "fade",
-        }
+named! {
+    /// Rule for a query outside the data (METHOD §2.6).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum QueryRule {
+        /// Free: the function extrapolates.
+        Free = 0, "free";
+        /// Clamp: each feature is clamped to its range.
+        Clamp = 1, "clamp";
+        /// Fade: values approach the neutral values.
+        Fade = 2, "fade";
     }
+    /// Every rule, by number.
+    ALL;
+    /// Returns its name, as in FORMAT.md.
+    name;
 }
 
-/// Rule for dividing the marked outputs by their sum.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Normalise {
-    /// Never.
-    Never = 0,
-    /// For a sum above 1e-12.
-    Always = 1,
-    /// For a sum above 1.
-    AboveOne = 2,
+named! {
+    /// Rule for dividing the marked outputs by their sum.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum Normalise {
+        /// Never.
+        Never = 0, "never";
+        /// For a sum above 1e-12.
+        Always = 1, "always";
+        /// For a sum above 1.
+        AboveOne = 2, "above 1";
+    }
+    /// Every rule, by number.
+    ALL;
+    /// Returns its name, as in FORMAT.md.
+    name;
 }
 
 impl Normalise {
-    /// Every rule, by number.
-    pub const ALL: [Self; 3] = [Self::Never, Self::Always, Self::AboveOne];
-
-    /// Returns its name, as in FORMAT.md.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Never => "never",
-            Self::Always => "always",
-            Self::AboveOne => "above 1",
-        }
-    }
-
     /// Returns the sum above which outputs are divided.
     pub(super) const fn least(self) -> f32 {
         match self {

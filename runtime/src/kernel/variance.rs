@@ -58,9 +58,7 @@ impl KernelMap<'_> {
             deviation * deviation * share
         };
         let unsound = matrices.deviations.iter().position(|le| !of_value(le).is_finite());
-        if let Some(value) = unsound {
-            return Err(CallError::new(CallErrorKind::NonFinite, Argument::Variances).at(value));
-        }
+        Argument::Variances.check_finite(unsound)?;
         out.iter_mut().zip(matrices.deviations).for_each(|(out, le)| *out = of_value(le));
         Ok(())
     }

@@ -135,9 +135,7 @@ impl<'a> PinJob<'a> {
         if end == End::NoFactor {
             return Err(CallError::new(CallErrorKind::NonFinite, Argument::Pins));
         }
-        if let Some(at) = solved.clone().position(|weight| !weight.is_finite()) {
-            return Err(CallError::new(CallErrorKind::NonFinite, Argument::Weights).at(at));
-        }
+        Argument::Weights.check_finite(solved.clone().position(|weight| !weight.is_finite()))?;
         for ((weight, solved), bounds) in weights.iter_mut().zip(solved).zip(self.prior.bounds()) {
             let [low, high] = floats(bounds);
             *weight = if self.is_bounded { solved.max(low).min(high) } else { solved };

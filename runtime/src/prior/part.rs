@@ -2,6 +2,7 @@
 
 use super::packed::{packed_len, rows};
 use crate::format::content;
+use crate::format::flat::flat;
 use crate::format::part::{self, Asked, COUNTS, Part, SECTIONS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::rule::{ALWAYS, Rule};
@@ -120,22 +121,11 @@ pub struct PriorCounts {
     pub cancel_len: u32,
 }
 
+flat! { PriorCounts of "prior_counts", words, from_words: [u32; 4] {
+    skin, shape_len, symmetry_len, cancel_len
+} }
+
 impl PriorCounts {
-    /// Bytes of section `prior_counts`.
-    pub const BYTES: usize = 16;
-
-    /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 4] {
-        let Self { skin, shape_len, symmetry_len, cancel_len } = *self;
-        [skin, shape_len, symmetry_len, cancel_len]
-    }
-
-    /// Makes the counts from their words.
-    pub const fn from_words(words: [u32; 4]) -> Self {
-        let [skin, shape_len, symmetry_len, cancel_len] = words;
-        Self { skin, shape_len, symmetry_len, cancel_len }
-    }
-
     /// Computes a section's length in bytes, or the least length of the names; `None` if priors
     /// lack the section.
     pub fn section_bytes(&self, section: SectionKind) -> Option<u64> {
@@ -165,21 +155,9 @@ pub struct PriorFit {
     pub slider_error: f32,
 }
 
-impl PriorFit {
-    /// Bytes of section `prior_fit`.
-    pub const BYTES: usize = 16;
-
-    /// Lists its figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 4] {
-        let Self { beta, frames, error, slider_error } = *self;
-        [beta, frames, error, slider_error]
-    }
-
-    /// Makes the fit from its figures.
-    pub const fn from_figures([beta, frames, error, slider_error]: [f32; 4]) -> Self {
-        Self { beta, frames, error, slider_error }
-    }
-}
+flat! { PriorFit of "prior_fit", figures, from_figures: [f32; 4] {
+    beta, frames, error, slider_error
+} }
 
 /// Indices of the counts in their section.
 mod place {

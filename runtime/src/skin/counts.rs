@@ -1,5 +1,6 @@
 //! Counts of a skin, its measured errors, and the rules for its sections.
 
+use crate::format::flat::flat;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
 use crate::format::{Element, SectionKind};
@@ -32,24 +33,11 @@ pub struct SkinCounts {
     pub delta_len: u32,
 }
 
+flat! { SkinCounts of "skin_counts", words, from_words: [u32; 7] {
+    vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len
+} }
+
 impl SkinCounts {
-    /// Bytes of section `skin_counts`.
-    pub const BYTES: usize = 28;
-
-    /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 7] {
-        let Self { vertex_len, influence_len, envelope, range_len, .. } = *self;
-        let Self { shape_len, entry_len, delta_len, .. } = *self;
-        [vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len]
-    }
-
-    /// Makes counts from words in the order of the file.
-    pub const fn from_words(words: [u32; 7]) -> Self {
-        let [vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len] =
-            words;
-        Self { vertex_len, influence_len, envelope, range_len, shape_len, entry_len, delta_len }
-    }
-
     /// Returns the part whose palette the skin follows; `None` without an envelope.
     pub fn envelope(&self) -> Option<u16> {
         u16::try_from(self.envelope).ok()
@@ -120,20 +108,7 @@ pub struct NormalErrors {
     pub lbs: f32,
 }
 
-impl NormalErrors {
-    /// Bytes of section `normal_errors`.
-    pub const BYTES: usize = 8;
-
-    /// Lists the figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 2] {
-        [self.model, self.lbs]
-    }
-
-    /// Makes errors from figures in the order of the file.
-    pub const fn from_figures([model, lbs]: [f32; 2]) -> Self {
-        Self { model, lbs }
-    }
-}
+flat! { NormalErrors of "normal_errors", figures, from_figures: [f32; 2] { model, lbs } }
 
 /// Measured errors of the shapes in the file against the source of the bake, each shape at a weight of 1.
 ///
@@ -146,20 +121,7 @@ pub struct ShapeErrors {
     pub rms: f32,
 }
 
-impl ShapeErrors {
-    /// Bytes of section `shape_errors`.
-    pub const BYTES: usize = 8;
-
-    /// Lists the figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 2] {
-        [self.largest, self.rms]
-    }
-
-    /// Makes errors from figures in the order of the file.
-    pub const fn from_figures([largest, rms]: [f32; 2]) -> Self {
-        Self { largest, rms }
-    }
-}
+flat! { ShapeErrors of "shape_errors", figures, from_figures: [f32; 2] { largest, rms } }
 
 /// Positions of the counts in their section. Two values follow that loading adds: the length of the envelope's palette,
 /// and the element type of the deltas.

@@ -1,6 +1,7 @@
 //! Counts and measured accuracy of an object.
 
 use crate::format::SectionKind;
+use crate::format::flat::flat;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
 
@@ -117,21 +118,9 @@ pub struct ViewsFit {
     pub visibility: f32,
 }
 
-impl ViewsFit {
-    /// Bytes of section `views_fit`.
-    pub const BYTES: usize = 12;
-
-    /// Lists its figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 3] {
-        let Self { rms_error, left_out_rms, visibility } = *self;
-        [rms_error, left_out_rms, visibility]
-    }
-
-    /// Makes the fit from its figures.
-    pub const fn from_figures([rms_error, left_out_rms, visibility]: [f32; 3]) -> Self {
-        Self { rms_error, left_out_rms, visibility }
-    }
-}
+flat! { ViewsFit of "views_fit", figures, from_figures: [f32; 3] {
+    rms_error, left_out_rms, visibility
+} }
 
 /// Indices of the counts in their section.
 pub(crate) mod place {

@@ -4,7 +4,7 @@
 use super::blend::Blend;
 use super::counts::ViewsCounts;
 use super::view::Views;
-use crate::error::{Argument, CallError, CallErrorKind};
+use crate::error::{Argument, CallError};
 use crate::kernel::{KernelCounts, KernelMap};
 use crate::linear::{floats, split};
 use crate::numeric::{greater, lesser};
@@ -78,9 +78,8 @@ impl FrameJob<'_> {
         let (opacities, orders) = split(layers, self.views.layer_len());
         let (points, _) = points.as_chunks_mut();
         self.deform(points, scores);
-        if let Some(at) = points.as_flattened().iter().position(|x| !x.is_finite()) {
-            return Err(CallError::new(CallErrorKind::NonFinite, Argument::Points).at(at / 3));
-        }
+        let is_unsound = |point: &[f32; 3]| !point.iter().all(|x| x.is_finite());
+        Argument::Points.check_finite(points.iter().position(is_unsound))?;
         out.points.iter_mut().zip(points).for_each(|(out, point)| *out = *point);
         out.visibility.iter_mut().zip(visibility).for_each(|(out, x)| *out = *x);
         out.scores.iter_mut().zip(&*scores).for_each(|(out, x)| *out = *x);

@@ -3,7 +3,7 @@
 use super::blend::{Blend, SOURCES_MAX};
 use super::raster::{Corner, Screen, Source, blend_group, multiply_mask, quad, triangle};
 use super::view::{Element, Layer, Views};
-use crate::error::{Argument, CallError, CallErrorKind};
+use crate::error::{Argument, CallError};
 use crate::numeric::{greater, lesser, smoothstep, sqrt};
 
 /// Draws an object into the caller's picture.
@@ -125,10 +125,8 @@ impl RenderJob<'_> {
         Argument::Depths.check_least(asked(views.has_depth()), scratch.depths.len())?;
         Argument::Group.check_least(asked(views.has_groups()), scratch.group.len())?;
         Argument::Clips.check_least(asked(views.has_clips()), scratch.clips.len())?;
-        match self.points.iter().position(|point| !point.iter().all(|x| x.is_finite())) {
-            None => Ok(()),
-            Some(at) => Err(CallError::new(CallErrorKind::NonFinite, Argument::Points).at(at)),
-        }
+        let is_unsound = |point: &[f32; 3]| !point.iter().all(|x| x.is_finite());
+        Argument::Points.check_finite(self.points.iter().position(is_unsound))
     }
 
     /// Returns the key views and shares for the colours of an element in a layer.

@@ -121,7 +121,7 @@ fn proxies_alone() -> Result<(), Box<dyn Error>> {
             let options =
                 s3::RotationalOptions { proxies: ProxyCount::Fixed(count), ..Default::default() };
             let fitted = proxies::fit(&surface, &tree, &Mat::zeros(0, 0), &options, &Silent)?;
-            println!("{name}: P = {}, RMSE {:.5}", fitted.len(), unit * fitted.rms);
+            println!("{name}: P = {}, RMSE {:.5}", fitted.maps.ncols() / 4, unit * fitted.rms);
         }
     }
     Ok(())

@@ -53,12 +53,10 @@ pub(crate) fn half(x: f64) -> f16 {
 
 /// Checks that an array has the length that other arrays imply.
 pub(crate) fn check_len(what: &str, expected: usize, found: usize) -> Result<(), Error> {
-    match found == expected {
-        true => Ok(()),
-        false => {
-            Err(Error::mismatch(format!("{what}: expected {expected} elements, found {found}")))
-        }
+    if found == expected {
+        return Ok(());
     }
+    Err(Error::mismatch(format!("{what}: expected {expected} elements, found {found}")))
 }
 
 /// Checks the rows and columns of a matrix against expected counts; `what` names both.

@@ -12,15 +12,14 @@ pub(super) fn advice(
     never_together: &[JointPair],
     predicted: Option<&Predicted>,
 ) -> Vec<String> {
-    let mut advice = Vec::new();
-    advice.extend(outside(joints));
-    advice.extend(few(joints));
-    advice.extend(together(never_together));
-    if let Some(predicted) = predicted {
-        advice.extend(isolated(predicted));
-        advice.extend(redundant(predicted));
-    }
-    advice
+    let of_all = [outside(joints), few(joints), together(never_together)];
+    let of_poses = predicted.map(|predicted| [isolated(predicted), redundant(predicted)]);
+    of_all.into_iter().chain(of_poses.into_iter().flatten()).flatten().collect()
+}
+
+/// Writes some words and the places that they are about; `None` without places.
+fn advise(words: &str, places: Vec<String>) -> Option<String> {
+    (!places.is_empty()).then(|| format!("{words}{}", listed(places)))
 }
 
 fn outside(joints: &[Coverage]) -> Option<String> {
@@ -32,12 +31,9 @@ fn outside(joints: &[Coverage]) -> Option<String> {
         let (frames, worst) = (count(beyond.len(), "frame", "frames"), &beyond[0]);
         format!("{joint} ({frames}, frame {} by {:.0}°)", worst.frame, worst.degrees)
     };
-    (!worst.is_empty()).then(|| {
-        format!(
-            "add training poses like the held-out or extreme frames that go beyond training, at {}",
-            listed(worst.iter().map(line))
-        )
-    })
+    let words =
+        "add training poses like the held-out or extreme frames that go beyond training, at ";
+    advise(words, worst.iter().map(line).collect())
 }
 
 fn few(joints: &[Coverage]) -> Option<String> {
@@ -50,19 +46,13 @@ fn few(joints: &[Coverage]) -> Option<String> {
         let poses = count(joint.distinct, "pose", "poses");
         format!("{} ({poses} over {:.0}°)", joint.joint, joint.degrees)
     };
-    (!few.is_empty()).then(|| {
-        format!("add poses in between for joints with few: {}", listed(few.iter().map(line)))
-    })
+    advise("add poses in between for joints with few: ", few.iter().map(line).collect())
 }
 
 fn together(never_together: &[JointPair]) -> Option<String> {
     let line = |pair: &JointPair| format!("{} with {}", pair.joint, pair.parent);
-    (!never_together.is_empty()).then(|| {
-        format!(
-            "add poses that bend both joints where neighbours never bend together: {}",
-            listed(never_together.iter().map(line))
-        )
-    })
+    let words = "add poses that bend both joints where neighbours never bend together: ";
+    advise(words, never_together.iter().map(line).collect())
 }
 
 fn isolated(predicted: &Predicted) -> Option<String> {
@@ -71,25 +61,18 @@ fn isolated(predicted: &Predicted) -> Option<String> {
         let mm = mm.map_or(String::new(), |mm| format!(", {} mm,", written(mm)));
         format!("frame {frame} ({percent:.3} %{mm} off at {joint})")
     };
-    (!predicted.isolated.is_empty()).then(|| {
-        format!(
-            "add poses like these, which the others do not predict: {}",
-            listed(predicted.isolated.iter().map(line))
-        )
-    })
+    let words = "add poses like these, which the others do not predict: ";
+    advise(words, predicted.isolated.iter().map(line).collect())
 }
 
 fn redundant(predicted: &Predicted) -> Option<String> {
-    let Predicted { redundant, .. } = predicted;
-    (!redundant.is_empty()).then(|| {
-        format!(
-            "{} of {} may be left out together, as the others predict them (give them split 2 in \
-             an .npz; whole clips are left out by --clip for the others): {}",
-            redundant.len(),
-            predicted.describe_poses(),
-            listed(runs(redundant))
-        )
-    })
+    let words = format!(
+        "{} of {} may be left out together, as the others predict them (give them split 2 in \
+         an .npz; whole clips are left out by --clip for the others): ",
+        predicted.redundant.len(),
+        predicted.describe_poses()
+    );
+    advise(&words, runs(&predicted.redundant))
 }
 
 #[cfg(test)]

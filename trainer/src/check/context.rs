@@ -4,8 +4,7 @@ use super::finding::{FrameName, Place};
 use super::thresholds::SLIDE;
 use crate::envelope::correction::features::Features;
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::lbs::training::Residuals;
-use crate::envelope::lbs::training::Training;
+use crate::envelope::lbs::training::{Residuals, Training};
 use crate::examples::{Clip, Examples};
 use crate::space::beside;
 use faer::Mat;
@@ -72,11 +71,6 @@ impl<'a> Context<'a> {
         Place::Joint(self.joint(joint).to_owned())
     }
 
-    /// Lists the vertices that follow each joint most, J lists.
-    pub(super) fn skins(&self) -> Vec<Vec<usize>> {
-        self.lbs_residuals().skins()
-    }
-
     /// Returns the squared LBS residual of a vertex in the `i`-th training frame.
     pub(super) fn squared_error(&self, i: usize, vertex: usize) -> f64 {
         self.residuals.col_as_slice(vertex)[3 * i..3 * i + 3].iter().map(|x| x * x).sum()
@@ -93,11 +87,6 @@ impl<'a> Context<'a> {
         let errors = &self.training.lbs.errors;
         let sum: f64 = vertices.iter().map(|&v| errors[v]).sum();
         (sum / (vertices.len() * self.frames.len()).max(1) as f64).sqrt()
-    }
-
-    /// Returns the RMS error of LBS over all vertices and training frames, in diagonals.
-    pub(super) fn lbs_rms(&self) -> f64 {
-        self.training.lbs_rms()
     }
 }
 

@@ -4,11 +4,10 @@
 //! the posed meshes or the joints are tried in other units and axes, and shifted.
 
 use super::context::{Context, worst_first};
-use super::finding::{Finding, Kind, Severity, count};
+use super::finding::{Finding, Kind, count};
 use super::thresholds::{MISPLACED, REMEDIED};
 use crate::envelope::clean::rigid_offsets;
-use crate::envelope::lbs::training::Residuals;
-use crate::examples::{Examples, Split, is_shuffled, spread};
+use crate::examples::{Examples, Split, diagonal, is_shuffled, spread};
 use crate::numeric::affine::from_rows;
 use crate::space::{axis_names, rotations};
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
@@ -28,26 +27,12 @@ enum Part {
     Posed,
 }
 
-const PARTS: [Part; 3] = [Part::Joints, Part::Rest, Part::Posed];
-/// The same for a single clip if the other clips are right; all clips share the rest mesh.
-const PARTS_OF_A_CLIP: [Part; 2] = [Part::Posed, Part::Joints];
-
 /// A remedy of one part: its points go to `turn x + shift`.
 #[derive(Clone, Copy, Debug)]
 struct Remedy {
     part: Part,
     turn: Matrix3<f64>,
     shift: Vector3<f64>,
-}
-
-/// Whether mesh and skeleton fit together.
-enum Alignment {
-    /// They fit.
-    Aligned,
-    /// They fit after a remedy.
-    Fixable(Convention),
-    /// They do not fit, for an unknown reason.
-    Unknown,
 }
 
 /// A remedy that makes mesh and skeleton fit.
@@ -67,36 +52,27 @@ impl Convention {
     pub(super) fn finding(self, place: &str) -> Finding {
         let Self { kind, change, errors } = self;
         let [with, without] = errors.map(|share| 100.0 * share);
-        Finding {
-            kind,
-            severity: Severity::Warning,
-            text: format!(
-                "{place}{change}: the error of the best single joint of each vertex is then {with:.2} % of the diagonal \
-                 instead of {without:.0} %; do not rely on the findings below until this is fixed"
-            ),
-            places: Vec::new(),
-        }
+        let text = format!(
+            "{place}{change}: the error of the best single joint of each vertex is then {with:.2} % of the diagonal \
+             instead of {without:.0} %; do not rely on the findings below until this is fixed"
+        );
+        Finding::warning(kind, text, Vec::new())
     }
 }
 
 /// Reports different units, axes and positions. Returns whether mesh and skeleton do not fit for an unknown reason.
 pub(super) fn convention(examples: &Examples, findings: &mut Vec<Finding>) -> bool {
-    match Sample::new(examples, &examples.frames_of(Split::Train)).align(&PARTS) {
-        Alignment::Aligned => false,
-        Alignment::Fixable(convention) => {
-            findings.push(convention.finding(""));
-            false
-        }
-        Alignment::Unknown => true,
-    }
+    let sample = Sample::new(examples, &examples.frames_of(Split::Train));
+    let remedy = sample.check(&[Part::Joints, Part::Rest, Part::Posed]).err();
+    let is_unknown = matches!(remedy, Some(None));
+    findings.extend(remedy.flatten().map(|remedy| remedy.finding("")));
+    is_unknown
 }
 
-/// Returns the remedy of a clip's units, axes or position if the other clips are right.
+/// Returns the remedy of a clip's units, axes or position if the other clips are right. All clips share the rest mesh,
+/// so only joints and posed meshes are tried.
 pub(super) fn of_clip(examples: &Examples, frames: &[usize]) -> Option<Convention> {
-    match Sample::new(examples, frames).align(&PARTS_OF_A_CLIP) {
-        Alignment::Fixable(convention) => Some(convention),
-        Alignment::Aligned | Alignment::Unknown => None,
-    }
+    Sample::new(examples, frames).check(&[Part::Posed, Part::Joints]).err().flatten()
 }
 
 /// Some vertices in some training frames.
@@ -113,32 +89,29 @@ struct Sample {
 impl Sample {
     fn new(examples: &Examples, frames: &[usize]) -> Self {
         let vertices = spread(examples.vertex_len(), SAMPLE.0);
-        let frames: Vec<usize> =
-            spread(frames.len(), SAMPLE.1).into_iter().map(|i| frames[i]).collect();
+        let frames = spread(frames.len(), SAMPLE.1).into_iter().map(|i| frames[i]);
         let at = |points: &[[f64; 3]]| vertices.iter().map(|&v| points[v].into()).collect();
-        let posed: Vec<Vec<Vector3<f64>>> = frames.iter().map(|&f| at(examples.frame(f))).collect();
-        let corner = |pick: fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>| {
-            posed.first().and_then(|points| points.iter().copied().reduce(|a, b| pick(&a, &b)))
-        };
-        let (low, high) = (corner(|a, b| a.inf(b)), corner(|a, b| a.sup(b)));
+        let posed: Vec<Vec<Vector3<f64>>> = frames.clone().map(|f| at(examples.frame(f))).collect();
+        let points = posed.iter().take(1).flatten().map(|&x| x.into());
+        let maps = |frame| examples.pose(frame).iter().map(from_rows).collect();
         Self {
             rest: at(&examples.rest),
-            joints: frames
-                .iter()
-                .map(|&frame| examples.pose(frame).iter().map(from_rows).collect())
-                .collect(),
-            unit: (high.unwrap_or_default() - low.unwrap_or_default()).norm(),
+            joints: frames.map(maps).collect(),
+            unit: diagonal(points),
             posed,
         }
     }
 
-    /// Tries remedies, each of one part.
-    fn align(&self, parts: &[Part]) -> Alignment {
+    /// Checks whether mesh and skeleton fit together, and tries remedies, each of one part.
+    ///
+    /// # Errors
+    /// They do not fit: the remedy after which they fit; `None` if no remedy helps.
+    fn check(&self, parts: &[Part]) -> Result<(), Option<Convention>> {
         let as_it_is =
             Remedy { part: Part::Rest, turn: Matrix3::identity(), shift: Vector3::zeros() };
         let error = self.error(&as_it_is);
         if error < MISPLACED * self.unit {
-            return Alignment::Aligned;
+            return Ok(());
         }
         let mut remedies = Vec::new();
         for &part in parts {
@@ -151,35 +124,28 @@ impl Sample {
         let errors: Vec<f64> = remedies.par_iter().map(|remedy| self.error(remedy)).collect();
         let best = (0..errors.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
         if errors[best] > REMEDIED * error {
-            return Alignment::Unknown;
+            return Err(None);
         }
-        Alignment::Fixable(Convention {
+        Err(Some(Convention {
             kind: remedies[best].kind(),
             change: remedies[best].describe(),
             errors: [errors[best], error].map(|error| error / self.unit),
-        })
+        }))
     }
 
     /// Returns the RMS distance of vertices from their positions after a remedy, in units of the posed meshes.
     fn error(&self, remedy: &Remedy) -> f64 {
         let Remedy { part, turn, shift } = *remedy;
-        let apply = |x: &Vector3<f64>| turn * x + shift;
-        let rest = |v: usize| match part {
-            Part::Posed => self.rest[v],
-            _ => apply(&self.rest[v]),
+        let moved = |x: &Vector3<f64>, fixed: Part| match part == fixed {
+            true => *x,
+            false => turn * x + shift,
         };
-        let scale = match part {
-            Part::Rest => 1.0,
-            _ => turn.column(0).norm(),
-        };
-        let posed = |frame: usize, v: usize| match part {
-            Part::Rest => self.posed[frame][v],
-            _ => apply(&self.posed[frame][v]),
-        };
+        let scale = if part == Part::Rest { 1.0 } else { remedy.scale() };
         let sum: f64 = (0..self.rest.len())
             .map(|v| {
-                let x = rest(v).push(1.0);
-                let truth: Vec<_> = (0..self.posed.len()).map(|f| posed(f, v)).collect();
+                let x = moved(&self.rest[v], Part::Posed).push(1.0);
+                let truth = self.posed.iter().map(|posed| moved(&posed[v], Part::Rest));
+                let truth: Vec<_> = truth.collect();
                 let of = |joint: usize| -> f64 {
                     let maps = self.joints.iter().map(|pose| pose[joint]);
                     maps.zip(&truth).map(|(map, y)| (map * x - y).norm_squared()).sum()
@@ -285,15 +251,9 @@ impl Remedy {
 
 /// Reports another vertex order, for meshes that do not fit the joints for an unknown reason.
 pub(super) fn vertex_order(examples: &Examples) -> Option<Finding> {
-    let Examples { rest, transforms, vertices: posed, .. } = examples;
-    is_shuffled(rest, transforms, posed).then(|| Finding {
-        kind: Kind::VertexOrder,
-        severity: Severity::Warning,
-        text: "the posed meshes have the vertices of the rest mesh in another order: export both from one mesh; \
-               do not rely on the findings below until this is fixed"
-            .to_owned(),
-        places: Vec::new(),
-    })
+    let text = "the posed meshes have the vertices of the rest mesh in another order: export both from one mesh; \
+                do not rely on the findings below until this is fixed";
+    is_shuffled(examples).then(|| Finding::warning(Kind::VertexOrder, text.to_owned(), Vec::new()))
 }
 
 /// Share of a frame's squared error that may remain after the offset is removed. The bound is loose because the many
@@ -303,26 +263,21 @@ const REMAINING: f64 = 0.25;
 /// Reports an offset of the meshes in most training frames. If fewer frames are displaced, the others show it
 /// ([`super::frames::broken`]).
 pub(super) fn offset(context: &Context<'_>) -> Option<Finding> {
-    let Context { training, residuals, dominant, .. } = context;
-    let offsets = rigid_offsets(Residuals { training, residuals, dominant });
+    let offsets = rigid_offsets(context.lbs_residuals());
     let places = (0..offsets.len()).filter(|&pose| offsets[pose].is_offset(REMAINING));
     let worst = worst_first(places, |pose| offsets[pose].distance);
     if 2 * worst.len() < offsets.len() {
         return None;
     }
     let farthest = *worst.first()?;
-    Some(Finding {
-        kind: Kind::Elsewhere,
-        severity: Severity::Warning,
-        text: format!(
-            "{} of {} a mesh with an offset from the joints as a whole, by up to {} in frame {}: perhaps the root moves only \
-             in the meshes or only in the joints, all meshes are displaced, or the meshes belong to other frames; do not \
-             rely on the findings below until this is fixed",
-            worst.len(),
-            count(offsets.len(), "training frame has", "training frames have"),
-            context.length(offsets[farthest].distance),
-            context.frame(farthest)
-        ),
-        places: context.frames(worst.iter().copied()),
-    })
+    let text = format!(
+        "{} of {} a mesh with an offset from the joints as a whole, by up to {} in frame {}: perhaps the root moves only \
+         in the meshes or only in the joints, all meshes are displaced, or the meshes belong to other frames; do not \
+         rely on the findings below until this is fixed",
+        worst.len(),
+        count(offsets.len(), "training frame has", "training frames have"),
+        context.length(offsets[farthest].distance),
+        context.frame(farthest)
+    );
+    Some(Finding::warning(Kind::Elsewhere, text, context.frames(worst)))
 }

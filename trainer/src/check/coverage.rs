@@ -69,9 +69,9 @@ pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
         .filter(|&frame| context.examples.split[frame] != Split::Train)
         .collect();
     let poses = Poses::new(context.examples, &others);
-    let poses = poses.about(context.training.centre).in_units_of(context.training.unit);
+    let poses = poses.local((context.training.centre, context.training.unit));
     let others = (others, Turns::new(&poses, Features::of(context.training)));
-    let skins = context.skins();
+    let skins = context.lbs_residuals().skins();
     let joints = (0..context.examples.joint_len()).into_par_iter();
     joints.map(|joint| of(context, joint, &skins[joint], &others)).collect()
 }
@@ -149,7 +149,7 @@ fn distinct(turns: &[&Turn], gap: f64) -> usize {
 /// Lists joints that never bend together with their parents, the largest error of LBS first.
 pub(super) fn never_together(context: &Context<'_>) -> Vec<JointPair> {
     let parents = &context.examples.skeleton.parents;
-    let skins = context.skins();
+    let skins = context.lbs_residuals().skins();
     let error = |joint: usize| context.rms_of(&skins[joint]);
     let pairs = (0..parents.len()).filter(|&joint| {
         let Some(parent) = parents[joint] else { return false };

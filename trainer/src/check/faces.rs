@@ -30,13 +30,9 @@ pub(super) fn faces(
     findings: &mut Vec<Finding>,
 ) -> Faces {
     for warning in warnings {
-        if let Warning::RepeatedVertex { triangles } | Warning::ZeroArea { triangles } = warning {
-            findings.push(Finding {
-                kind: Kind::NoArea,
-                severity: Severity::Note,
-                text: warning.to_string(),
-                places: triangles.iter().map(|&triangle| Place::Triangle(triangle)).collect(),
-            });
+        if let Warning::RepeatedVertex(triangles) | Warning::ZeroArea(triangles) = warning {
+            let places = triangles.iter().map(|&triangle| Place::Triangle(triangle)).collect();
+            findings.push(Finding::note(Kind::NoArea, warning.to_string(), places));
         }
     }
     let edges = edges(examples);
@@ -46,17 +42,14 @@ pub(super) fn faces(
     examples.triangles.iter().flatten().for_each(|&vertex| used[vertex] = true);
     let alone: Vec<usize> = (0..used.len()).filter(|&vertex| !used[vertex]).collect();
     if !alone.is_empty() {
-        findings.push(Finding {
-            kind: Kind::Unreferenced,
-            severity: Severity::Note,
-            text: format!(
-                "{} to no triangle and {} no normal: {}",
-                count(alone.len(), "vertex belongs", "vertices belong"),
-                if alone.len() == 1 { "has" } else { "have" },
-                listed(&alone)
-            ),
-            places: alone.iter().map(|&vertex| Place::Vertex(vertex)).collect(),
-        });
+        let text = format!(
+            "{} to no triangle and {} no normal: {}",
+            count(alone.len(), "vertex belongs", "vertices belong"),
+            if alone.len() == 1 { "has" } else { "have" },
+            listed(&alone)
+        );
+        let places = alone.into_iter().map(Place::Vertex).collect();
+        findings.push(Finding::note(Kind::Unreferenced, text, places));
     }
     let welded = welded(examples);
     let separate: Vec<usize> = (0..welded.len()).collect();
@@ -102,32 +95,26 @@ fn winding(edges: &BTreeMap<[usize; 2], Vec<Use>>) -> Option<Finding> {
     }
     let mut triangles: Vec<(usize, usize)> = opposed.into_iter().collect();
     triangles.sort_by_key(|&(triangle, count)| (std::cmp::Reverse(count), triangle));
-    let lines = triangles.iter().map(|(triangle, _)| triangle);
-    (!pairs.is_empty()).then(|| Finding {
-        kind: Kind::Winding,
-        severity: Severity::Warning,
-        text: format!(
-            "{} triangles that face opposite sides: make the winding consistent; at triangles {}",
-            count(pairs.len(), "edge joins", "edges join"),
-            listed(lines.clone())
-        ),
-        places: lines.map(|&triangle| Place::Triangle(triangle)).collect(),
-    })
+    let triangles = triangles.into_iter().map(|(triangle, _)| triangle);
+    let text = format!(
+        "{} triangles that face opposite sides: make the winding consistent; at triangles {}",
+        count(pairs.len(), "edge joins", "edges join"),
+        listed(triangles.clone())
+    );
+    let places = triangles.map(Place::Triangle).collect();
+    (!pairs.is_empty()).then(|| Finding::warning(Kind::Winding, text, places))
 }
 
 fn non_manifold(edges: &BTreeMap<[usize; 2], Vec<Use>>) -> Option<Finding> {
     let shared: Vec<[usize; 2]> =
         edges.iter().filter(|(_, uses)| uses.len() > 2).map(|(&edge, _)| edge).collect();
-    (!shared.is_empty()).then(|| Finding {
-        kind: Kind::NonManifold,
-        severity: Severity::Note,
-        text: format!(
-            "{} more than two triangles, between vertices {}",
-            count(shared.len(), "edge has", "edges have"),
-            listed(shared.iter().map(|[a, b]| format!("{a} and {b}")))
-        ),
-        places: shared.iter().map(|&edge| Place::Edge(edge)).collect(),
-    })
+    let text = format!(
+        "{} more than two triangles, between vertices {}",
+        count(shared.len(), "edge has", "edges have"),
+        listed(shared.iter().map(|[a, b]| format!("{a} and {b}")))
+    );
+    let places = shared.iter().map(|&edge| Place::Edge(edge)).collect();
+    (!shared.is_empty()).then(|| Finding::note(Kind::NonManifold, text, places))
 }
 
 fn unwelded(welded: &[usize], faces: &Faces) -> Option<Finding> {
@@ -137,24 +124,21 @@ fn unwelded(welded: &[usize], faces: &Faces) -> Option<Finding> {
     let most = *doubled.first()?;
     let loose = doubled.len() as f64 >= LOOSE * welded.len() as f64;
     let places = (0..welded.len()).filter(|&v| welded[v] == v).count();
-    Some(Finding {
-        kind: Kind::Unwelded,
-        severity: if loose { Severity::Warning } else { Severity::Note },
-        text: format!(
-            "{} of {} vertices share their place with others and move with them ({places} places, \
-             {} that would be {}), as vertex {most}: {}",
-            doubled.len(),
-            welded.len(),
-            count(faces.pieces, "piece", "pieces"),
-            faces.welded_pieces,
-            if loose {
-                "export with shared vertices, so that the surface hangs together"
-            } else {
-                "seams of texture or normals do no harm"
-            }
-        ),
-        places: doubled.into_iter().map(Place::Vertex).collect(),
-    })
+    let severity = if loose { Severity::Warning } else { Severity::Note };
+    let advice = match loose {
+        true => "export with shared vertices, so that the surface hangs together",
+        false => "seams of texture or normals do no harm",
+    };
+    let text = format!(
+        "{} of {} vertices share their place with others and move with them ({places} places, \
+         {} that would be {}), as vertex {most}: {advice}",
+        doubled.len(),
+        welded.len(),
+        count(faces.pieces, "piece", "pieces"),
+        faces.welded_pieces
+    );
+    let places = doubled.into_iter().map(Place::Vertex).collect();
+    Some(Finding::new(severity, Kind::Unwelded, text, places))
 }
 
 /// Returns for each vertex the first vertex with the same position, at rest and in some training frames.
@@ -194,30 +178,28 @@ fn pieces(examples: &Examples, vertex: &[usize]) -> usize {
     (0..vertex.len()).filter(|&v| used[v] && parents[v] == v).count()
 }
 
+/// A kind of fault: what triangles do, and the rest of the words.
+type Fault = (Kind, &'static str, &'static str);
+
+/// The kinds of faults in a frame.
+const FAULTS: [Fault; 3] = [
+    (
+        Kind::Flipped,
+        "face",
+        "away from the direction given by the joints, as in a mirrored or inverted mesh",
+    ),
+    (Kind::Folded, "fold", "over a neighbour, as skin does in deep bends"),
+    (Kind::Collapsed, "keep", "less than a hundredth of the area at rest"),
+];
+
 pub(super) fn in_poses(context: &Context<'_>, findings: &mut Vec<Finding>) {
     let surface = RestFaces::new(context);
-    let frames: Vec<Faults> =
+    let frames: Vec<[Vec<usize>; 3]> =
         (0..context.frames.len()).into_par_iter().map(|i| surface.faults(context, i)).collect();
-    let part = |of: fn(&Faults) -> &Vec<usize>| frames.iter().map(of).cloned().collect::<Vec<_>>();
-    let flipped = FaultKind {
-        kind: Kind::Flipped,
-        words: ["triangle faces", "triangles face"],
-        meaning: "away from the direction given by the joints, as in a mirrored or inverted mesh",
-    };
-    let folded = FaultKind {
-        kind: Kind::Folded,
-        words: ["triangle folds", "triangles fold"],
-        meaning: "over a neighbour, as skin does in deep bends",
-    };
-    let collapsed = FaultKind {
-        kind: Kind::Collapsed,
-        words: ["triangle keeps", "triangles keep"],
-        meaning: "less than a hundredth of the area at rest",
-    };
-    let len = surface.triangles.len();
-    findings.extend(flipped.report(context, len, &part(|faults| &faults.flipped)));
-    findings.extend(folded.report(context, len, &part(|faults| &faults.folded)));
-    findings.extend(collapsed.report(context, len, &part(|faults| &faults.collapsed)));
+    for (number, fault) in FAULTS.iter().enumerate() {
+        let at_fault: Vec<&[usize]> = frames.iter().map(|faults| &*faults[number]).collect();
+        findings.extend(report(context, fault, surface.triangles.len(), &at_fault));
+    }
 }
 
 /// The triangles with an area at rest.
@@ -227,13 +209,6 @@ struct RestFaces {
     neighbours: Vec<[usize; 2]>,
     /// Twice the area at rest, along the normal.
     rest: Vec<Vector3<f64>>,
-}
-
-/// Faulty triangles of one frame, by number.
-struct Faults {
-    flipped: Vec<usize>,
-    folded: Vec<usize>,
-    collapsed: Vec<usize>,
 }
 
 impl RestFaces {
@@ -257,7 +232,8 @@ impl RestFaces {
         Self { triangles, neighbours, rest }
     }
 
-    fn faults(&self, context: &Context<'_>, i: usize) -> Faults {
+    /// Lists the triangles of a frame with each of the [`FAULTS`], by number.
+    fn faults(&self, context: &Context<'_>, i: usize) -> [Vec<usize>; 3] {
         let (examples, weights) = (context.examples, &context.training.lbs.weights);
         let posed = examples.frame(context.frames[i]);
         let pose = examples.pose(context.frames[i]);
@@ -288,11 +264,10 @@ impl RestFaces {
             let places = (0..at_fault.len()).filter(|&k| at_fault[k]);
             places.map(|k| self.triangles[k]).collect()
         };
-        Faults {
+        match many {
+            true => [named(&flipped), Vec::new(), named(&collapsed)],
             // A few flipped triangles without a fold are a bend that LBS does not predict.
-            flipped: if many { named(&flipped) } else { Vec::new() },
-            folded: if many { Vec::new() } else { named(&folded) },
-            collapsed: named(&collapsed),
+            false => [Vec::new(), named(&folded), named(&collapsed)],
         }
     }
 }
@@ -308,47 +283,34 @@ fn normal(points: &[[f64; 3]], triangle: [usize; 3]) -> Vector3<f64> {
     (b - a).cross(&(c - a))
 }
 
-/// A kind of fault and its words.
-struct FaultKind {
-    kind: Kind,
-    words: [&'static str; 2],
-    meaning: &'static str,
-}
-
-impl FaultKind {
-    fn report(
-        &self,
-        context: &Context<'_>,
-        triangle_len: usize,
-        frames: &[Vec<usize>],
-    ) -> Option<Finding> {
-        let mut times = vec![0usize; context.examples.triangles.len()];
-        frames.iter().flatten().for_each(|&triangle| times[triangle] += 1);
-        let at_fault = (0..times.len()).filter(|&triangle| times[triangle] > 0);
-        let triangles = worst_first(at_fault, |triangle| times[triangle] as f64);
-        let in_frame = |i: usize| frames[i].len() as f64;
-        let order = worst_first((0..frames.len()).filter(|&i| !frames[i].is_empty()), in_frame);
-        let &worst = order.first()?;
-        let many = in_frame(worst) > MANY * triangle_len as f64;
-        let [one, more] = self.words;
-        let line = |&triangle: &usize| format!("{triangle} ({})", times[triangle]);
-        Some(Finding {
-            kind: self.kind,
-            severity: if many { Severity::Warning } else { Severity::Note },
-            text: format!(
-                "{} {}, in {}, most of them ({}) in frame {}; triangles (in frames): {}",
-                count(triangles.len(), one, more),
-                self.meaning,
-                count(order.len(), "training frame", "training frames"),
-                frames[worst].len(),
-                context.frame(worst),
-                listed(triangles.iter().map(line))
-            ),
-            places: triangles
-                .iter()
-                .map(|&triangle| Place::Triangle(triangle))
-                .chain(context.frames(order))
-                .collect(),
-        })
-    }
+/// Reports a fault.
+///
+/// - `triangle_len`: number of triangles with an area at rest.
+/// - `frames`: the faulty triangles of each training frame.
+fn report(
+    context: &Context<'_>,
+    &(kind, verb, meaning): &Fault,
+    triangle_len: usize,
+    frames: &[&[usize]],
+) -> Option<Finding> {
+    let mut times = vec![0usize; context.examples.triangles.len()];
+    frames.iter().copied().flatten().for_each(|&triangle| times[triangle] += 1);
+    let at_fault = (0..times.len()).filter(|&triangle| times[triangle] > 0);
+    let triangles = worst_first(at_fault, |triangle| times[triangle] as f64);
+    let in_frame = |i: usize| frames[i].len() as f64;
+    let order = worst_first((0..frames.len()).filter(|&i| !frames[i].is_empty()), in_frame);
+    let &worst = order.first()?;
+    let many = in_frame(worst) > MANY * triangle_len as f64;
+    let severity = if many { Severity::Warning } else { Severity::Note };
+    let line = |&triangle: &usize| format!("{triangle} ({})", times[triangle]);
+    let text = format!(
+        "{} {meaning}, in {}, most of them ({}) in frame {}; triangles (in frames): {}",
+        count(triangles.len(), &format!("triangle {verb}s"), &format!("triangles {verb}")),
+        count(order.len(), "training frame", "training frames"),
+        frames[worst].len(),
+        context.frame(worst),
+        listed(triangles.iter().map(line))
+    );
+    let places = triangles.into_iter().map(Place::Triangle).chain(context.frames(order));
+    Some(Finding::new(severity, kind, text, places.collect()))
 }

@@ -20,7 +20,7 @@ pub enum Topic {
     Frames,
 }
 
-/// The kind of a finding.
+/// The kind of a finding. The kinds are in the order of their topics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -91,35 +91,14 @@ pub enum Kind {
 impl Kind {
     /// Returns the topic of the kind.
     pub fn topic(self) -> Topic {
-        match self {
-            Self::FarAway | Self::TooFar | Self::OddSize => Topic::Size,
-            Self::OtherUnits
-            | Self::OtherAxes
-            | Self::Shifted
-            | Self::Elsewhere
-            | Self::VertexOrder
-            | Self::RestDiffers
-            | Self::RestUntested => Topic::Rest,
-            Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle | Self::Weights => {
-                Topic::Joints
-            }
-            Self::NoArea
-            | Self::Winding
-            | Self::NonManifold
-            | Self::Unreferenced
-            | Self::Unwelded
-            | Self::Collapsed
-            | Self::Folded
-            | Self::Flipped => Topic::Faces,
-            Self::Repeated
-            | Self::Contradicting
-            | Self::OutOfStep
-            | Self::ClipOrder
-            | Self::WrongClip
-            | Self::UnlikeClips
-            | Self::Broken
-            | Self::OnePose => Topic::Frames,
-        }
+        let last = [
+            (Self::OddSize, Topic::Size),
+            (Self::RestUntested, Topic::Rest),
+            (Self::Weights, Topic::Joints),
+            (Self::Flipped, Topic::Faces),
+        ];
+        let of = last.into_iter().find(|&(last, _)| self as u8 <= last as u8);
+        of.map_or(Topic::Frames, |(_, topic)| topic)
     }
 }
 
@@ -152,6 +131,20 @@ pub struct Finding {
     pub places: Vec<Place>,
 }
 
+impl Finding {
+    pub(super) fn new(severity: Severity, kind: Kind, text: String, places: Vec<Place>) -> Self {
+        Self { kind, severity, text, places }
+    }
+
+    pub(super) fn warning(kind: Kind, text: String, places: Vec<Place>) -> Self {
+        Self::new(Severity::Warning, kind, text, places)
+    }
+
+    pub(super) fn note(kind: Kind, text: String, places: Vec<Place>) -> Self {
+        Self::new(Severity::Note, kind, text, places)
+    }
+}
+
 /// Number of places that a text names; further places are counted.
 pub const LISTED: usize = 5;
 
@@ -170,22 +163,16 @@ pub fn listed(words: impl IntoIterator<Item = impl fmt::Display>) -> String {
 pub fn runs(frames: &[FrameName]) -> Vec<String> {
     let mut frames: Vec<&FrameName> = frames.iter().collect();
     frames.sort_unstable_by_key(|frame| frame.frame);
-    let mut runs: Vec<[&FrameName; 2]> = Vec::new();
-    for frame in frames {
-        // Numbers may start again with a clip.
-        let follows = |last: &FrameName| {
-            last.frame + 1 == frame.frame && (frame.number.is_none() || last.number < frame.number)
-        };
-        match runs.last_mut() {
-            Some([_, last]) if follows(last) => *last = frame,
-            _ => runs.push([frame; 2]),
-        }
-    }
-    let run = |run: [&FrameName; 2]| {
-        let [first, last] = run.map(|frame| frame.number.unwrap_or(frame.frame as i64));
+    // Numbers may start again with a clip.
+    let runs = frames.chunk_by(|last, frame| {
+        last.frame + 1 == frame.frame && (frame.number.is_none() || last.number < frame.number)
+    });
+    let run = |run: &[&FrameName]| {
+        let ends = [run[0], run[run.len() - 1]];
+        let [first, last] = ends.map(|frame| frame.number.unwrap_or(frame.frame as i64));
         if first == last { format!("{first}") } else { format!("{first}-{last}") }
     };
-    runs.into_iter().map(run).collect()
+    runs.map(run).collect()
 }
 
 /// Formats a length with three significant digits.

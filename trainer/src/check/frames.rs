@@ -6,12 +6,12 @@
 
 use super::context::{Context, worst_first};
 use super::convention::{self, Convention};
-use super::finding::{Finding, FrameName, Kind, LISTED, Place, Severity, count, listed, runs};
+use super::finding::{Finding, FrameName, Kind, LISTED, Place, count, listed, runs};
 use super::step::{error, sample};
 use super::thresholds::{CONTRADICTION, SAME_POSE, UNLIKE_CLIPS, VISIBLE, WRONG_CLIP};
 use crate::envelope::clean::{Inliers, OutlierFrame};
 use crate::envelope::lbs::poses::Poses;
-use crate::examples::{Clip, Examples, PosedClips, Split, spread};
+use crate::examples::{Clip, Examples, Split, best_order, spread};
 use crate::space::beside;
 
 /// Reports frames whose meshes do not belong to their poses, and whether a training leaves them out.
@@ -34,17 +34,13 @@ pub(super) fn broken(inliers: &Inliers, clips: &[Clip], diagonal_mm: Option<f64>
         true => "without them too few frames or no motion would be left, so a training keeps them",
         false => "a training leaves out the frames named here",
     };
-    Finding {
-        kind: Kind::Broken,
-        severity: Severity::Warning,
-        text: format!(
-            "{} a mesh that does not belong to the pose, judged by the other frames (an exploded simulation, a displaced \
-             mesh, or the mesh of another frame); {then}: check them, and fix or remove them: frame {}{all}",
-            count(outliers.len(), "frame has", "frames have"),
-            listed(outliers.iter().map(line))
-        ),
-        places: names.into_iter().map(Place::Frame).collect(),
-    }
+    let text = format!(
+        "{} a mesh that does not belong to the pose, judged by the other frames (an exploded simulation, a displaced \
+         mesh, or the mesh of another frame); {then}: check them, and fix or remove them: frame {}{all}",
+        count(outliers.len(), "frame has", "frames have"),
+        listed(outliers.iter().map(line))
+    );
+    Finding::warning(Kind::Broken, text, names.into_iter().map(Place::Frame).collect())
 }
 
 /// A training frame with the pose of an earlier frame.
@@ -69,7 +65,7 @@ pub(super) fn repeats(context: &Context<'_>, findings: &mut Vec<Finding>) {
             None => firsts.push(frame),
         }
     }
-    let most = VISIBLE.max(CONTRADICTION * context.lbs_rms());
+    let most = VISIBLE.max(CONTRADICTION * context.training.lbs_rms());
     let (contradicting, repeated): (Vec<Repeat>, Vec<Repeat>) =
         repeats.into_iter().partition(|repeat| repeat.gap > most);
     let pair = |repeat: &Repeat| {
@@ -83,31 +79,24 @@ pub(super) fn repeats(context: &Context<'_>, findings: &mut Vec<Finding>) {
             let pair = pair(&contradicting[k]);
             format!("{pair}, {} apart at vertex {vertex}", context.length(distance))
         };
-        findings.push(Finding {
-            kind: Kind::Contradicting,
-            severity: Severity::Warning,
-            text: format!(
-                "{} the pose of another frame within {SAME_POSE}° but a different mesh, which no function of \
-                 the pose can give (dynamics, a simulation that had not settled, or meshes of \
-                 another frame): {}",
-                count(contradicting.len(), "frame has", "frames have"),
-                listed(order.iter().map(line))
-            ),
-            places: context
-                .frames(order.iter().flat_map(|&k| [contradicting[k].frame, contradicting[k].first])),
-        });
+        let text = format!(
+            "{} the pose of another frame within {SAME_POSE}° but a different mesh, which no function of \
+             the pose can give (dynamics, a simulation that had not settled, or meshes of \
+             another frame): {}",
+            count(contradicting.len(), "frame has", "frames have"),
+            listed(order.iter().map(line))
+        );
+        let places = order.iter().flat_map(|&k| [contradicting[k].frame, contradicting[k].first]);
+        findings.push(Finding::warning(Kind::Contradicting, text, context.frames(places)));
     }
     if !repeated.is_empty() {
-        findings.push(Finding {
-            kind: Kind::Repeated,
-            severity: Severity::Note,
-            text: format!(
-                "{} the pose and mesh of another, and may be left out: {}",
-                count(repeated.len(), "frame repeats", "frames repeat"),
-                listed(repeated.iter().map(pair))
-            ),
-            places: context.frames(repeated.iter().map(|repeat| repeat.frame)),
-        });
+        let text = format!(
+            "{} the pose and mesh of another, and may be left out: {}",
+            count(repeated.len(), "frame repeats", "frames repeat"),
+            listed(repeated.iter().map(pair))
+        );
+        let places = context.frames(repeated.iter().map(|repeat| repeat.frame));
+        findings.push(Finding::note(Kind::Repeated, text, places));
     }
 }
 
@@ -130,22 +119,16 @@ fn squared_gap(context: &Context<'_>, vertex: usize, a: usize, b: usize) -> f64 
 
 /// Reports meshes in another order of clips.
 pub(super) fn clip_order(examples: &Examples, clips: &[Clip]) -> Option<Finding> {
-    let Examples { rest, transforms, vertices: posed, .. } = examples;
-    let lens: Vec<usize> = clips.iter().map(|clip| clip.times.len()).collect();
-    let given = PosedClips { rest, transforms, posed, lens: &lens, placed: true };
-    let order = given.order()?;
+    let order = best_order(examples, clips, true)?;
     let [other, here] = order.percent;
     let names: Vec<&str> = order.clips.iter().map(|&clip| clips[clip].name.as_str()).collect();
-    Some(Finding {
-        kind: Kind::ClipOrder,
-        severity: Severity::Warning,
-        text: format!(
-            "the meshes fit the clips in another order, {}: vertices are then {other:.2} % of the diagonal from their \
-             positions under one joint each, now {here:.2} %",
-            names.join(", ")
-        ),
-        places: clips.iter().map(|clip| Place::Frame(FrameName::new(clips, clip.first))).collect(),
-    })
+    let text = format!(
+        "the meshes fit the clips in another order, {}: vertices are then {other:.2} % of the diagonal from their \
+         positions under one joint each, now {here:.2} %",
+        names.join(", ")
+    );
+    let place = |clip: &Clip| Place::Frame(FrameName::new(clips, clip.first));
+    Some(Finding::warning(Kind::ClipOrder, text, clips.iter().map(place).collect()))
 }
 
 /// Fewest training frames of a clip for a test; almost any weights fit fewer frames.
@@ -183,10 +166,8 @@ pub(super) fn clips(examples: &Examples, clips: &[Clip], wrong_frames: &[usize])
     let wrong: Vec<&Fit<'_>> = fits.iter().filter(is_wrong).collect();
     let place = |fit: &Fit<'_>| Place::Frame(FrameName::new(clips, fit.clip.first));
     if !wrong.is_empty() {
-        return group_by_remedy(examples, wrong)
-            .into_iter()
-            .map(|group| group.finding(best, place))
-            .collect();
+        let groups = group_by_remedy(examples, wrong).into_iter();
+        return groups.map(|(remedy, fits)| wrong_clips(remedy, &fits, best, place)).collect();
     }
     let all: Vec<usize> = fits.iter().flat_map(|fit| fit.frames.iter().copied()).collect();
     let squared = |rms: f64, frames: usize| frames as f64 * rms * rms;
@@ -197,18 +178,14 @@ pub(super) fn clips(examples: &Examples, clips: &[Clip], wrong_frames: &[usize])
         return Vec::new();
     }
     let line = |fit: &Fit<'_>| format!("{:.2} % in {}", 100.0 * fit.alone, fit.clip.name);
-    vec![Finding {
-        kind: Kind::UnlikeClips,
-        severity: Severity::Warning,
-        text: format!(
-            "no weights fit all clips: the error of LBS is {:.2} % of the diagonal{} with one set of weights, and with a set \
-             for each clip {}; perhaps joints or vertices have another order in some clips",
-            100.0 * together,
-            beside(100.0 * together, examples.diagonal_mm()),
-            listed(fits.iter().map(line))
-        ),
-        places: fits.iter().map(place).collect(),
-    }]
+    let text = format!(
+        "no weights fit all clips: the error of LBS is {:.2} % of the diagonal{} with one set of weights, and with a set \
+         for each clip {}; perhaps joints or vertices have another order in some clips",
+        100.0 * together,
+        beside(100.0 * together, examples.diagonal_mm()),
+        listed(fits.iter().map(line))
+    );
+    vec![Finding::warning(Kind::UnlikeClips, text, fits.iter().map(place).collect())]
 }
 
 /// Returns the tested training frames of a clip.
@@ -221,53 +198,44 @@ fn frames_of(examples: &Examples, clip: &Clip, wrong_frames: &[usize]) -> Vec<us
     spread(own.len(), MOST).into_iter().map(|k| own[k]).collect()
 }
 
-/// Wrong clips with the same remedy, or without one.
-struct WrongClips<'a, 'b> {
-    remedy: Option<Convention>,
-    clips: Vec<&'a Fit<'b>>,
-}
-
-/// Returns the change that a remedy asks for, without its errors.
-fn change(remedy: &Option<Convention>) -> Option<&str> {
-    remedy.as_ref().map(|remedy| remedy.change.as_str())
-}
-
+/// Groups wrong clips by the change that their remedy asks for; clips without a remedy are one group.
 fn group_by_remedy<'a, 'b>(
     examples: &Examples,
     wrong: Vec<&'a Fit<'b>>,
-) -> Vec<WrongClips<'a, 'b>> {
-    let mut all = Vec::<WrongClips<'_, '_>>::new();
+) -> Vec<(Option<Convention>, Vec<&'a Fit<'b>>)> {
+    let mut groups: Vec<(Option<Convention>, Vec<&Fit<'_>>)> = Vec::new();
     for fit in wrong {
         let remedy = convention::of_clip(examples, &fit.frames);
-        match all.iter_mut().find(|group| change(&group.remedy) == change(&remedy)) {
-            Some(group) => group.clips.push(fit),
-            None => all.push(WrongClips { remedy, clips: vec![fit] }),
+        let change = remedy.as_ref().map(|remedy| &remedy.change);
+        match groups.iter_mut().find(|(own, _)| own.as_ref().map(|own| &own.change) == change) {
+            Some((_, fits)) => fits.push(fit),
+            None => groups.push((remedy, vec![fit])),
         }
     }
-    all
+    groups
 }
 
-impl WrongClips<'_, '_> {
-    fn finding(self, best: f64, place: impl Fn(&Fit<'_>) -> Place) -> Finding {
-        let clips = if self.clips.len() == 1 { "clip" } else { "clips" };
-        let names = listed(self.clips.iter().map(|fit| fit.clip.name.clone()));
-        let places = self.clips.iter().map(|fit| place(fit)).collect();
-        if let Some(remedy) = self.remedy {
-            return Finding { places, ..remedy.finding(&format!("in {clips} {names}, ")) };
-        }
-        let worst = self.clips.iter().map(|fit| fit.alone).fold(0.0, f64::max);
-        Finding {
-            kind: Kind::WrongClip,
-            severity: Severity::Warning,
-            text: format!(
-                "the meshes of {clips} {names} do not belong to the joints: LBS fitted to the clip alone has an error of \
-                 {:.1} % of the diagonal, and {:.2} % in a clip that is right (perhaps the meshes are of another take or \
-                 rate, mirrored, or have a motion that the joints lack; vertices or joints have another order; or LBS cannot \
-                 express the skin of this clip): check the clip, and export it again or leave it out",
-                100.0 * worst,
-                100.0 * best
-            ),
-            places,
-        }
+/// Reports wrong clips with the same remedy, or without one.
+fn wrong_clips(
+    remedy: Option<Convention>,
+    fits: &[&Fit<'_>],
+    best: f64,
+    place: impl Fn(&Fit<'_>) -> Place,
+) -> Finding {
+    let clips = if fits.len() == 1 { "clip" } else { "clips" };
+    let names = listed(fits.iter().map(|fit| &fit.clip.name));
+    let places = fits.iter().map(|fit| place(fit)).collect();
+    if let Some(remedy) = remedy {
+        return Finding { places, ..remedy.finding(&format!("in {clips} {names}, ")) };
     }
+    let worst = fits.iter().map(|fit| fit.alone).fold(0.0, f64::max);
+    let text = format!(
+        "the meshes of {clips} {names} do not belong to the joints: LBS fitted to the clip alone has an error of \
+         {:.1} % of the diagonal, and {:.2} % in a clip that is right (perhaps the meshes are of another take or \
+         rate, mirrored, or have a motion that the joints lack; vertices or joints have another order; or LBS cannot \
+         express the skin of this clip): check the clip, and export it again or leave it out",
+        100.0 * worst,
+        100.0 * best
+    );
+    Finding::warning(Kind::WrongClip, text, places)
 }

@@ -1,7 +1,7 @@
 //! Single joints: rigid maps, half turns, joints without motion or skin, and joint weights that are wrong for the skin.
 
 use super::context::{Context, worst_first};
-use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed};
+use super::finding::{Finding, FrameName, Kind, Place, count, listed};
 use super::thresholds::{IDLE, MISLEADS, SCALED, STILL, VISIBLE};
 use crate::envelope::choose::report::SEAM;
 use crate::envelope::lbs::prior;
@@ -9,32 +9,24 @@ use crate::examples::{Matrix3x4, Warning};
 use nalgebra::Matrix3;
 
 pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut Vec<Finding>) {
-    for warning in warnings {
-        if let Warning::NonRigidJoint { joint, worst_frame, .. } = warning {
-            let worst = worst_frame.and_then(|frame| usize::try_from(frame).ok());
-            findings.push(non_rigid(context, warning, joint, worst));
-        }
-    }
+    findings.extend(warnings.iter().filter_map(|warning| non_rigid(context, warning)));
     half_turns(context, findings);
     let joints = 0..context.examples.joint_len();
     let root = context.examples.skeleton.root();
     let still = |&j: &usize| j != root && context.turns.largest_bend(j) < STILL;
     let still: Vec<usize> = joints.clone().filter(still).collect();
     if !still.is_empty() {
-        findings.push(Finding {
-            kind: Kind::Still,
-            severity: Severity::Note,
-            text: format!(
-                "{} against {} in training: {}; no frame shows which skin follows {}, so the nearest skin does, and the \
-                 confidence of a model falls where a pose turns {}",
-                count(still.len(), "joint never moves", "joints never move"),
-                if still.len() == 1 { "its parent" } else { "their parents" },
-                names(context, &still),
-                if still.len() == 1 { "it" } else { "them" },
-                if still.len() == 1 { "it" } else { "one" }
-            ),
-            places: places(context, &still),
-        });
+        let [parents, they, one] = match still.len() {
+            1 => ["its parent", "it", "it"],
+            _ => ["their parents", "them", "one"],
+        };
+        let text = format!(
+            "{} against {parents} in training: {}; no frame shows which skin follows {they}, so the nearest skin does, \
+             and the confidence of a model falls where a pose turns {one}",
+            count(still.len(), "joint never moves", "joints never move"),
+            names(context, &still)
+        );
+        findings.push(Finding::note(Kind::Still, text, places(context, &still)));
     }
     let mut used = vec![false; context.examples.joint_len()];
     let weights = &context.training.lbs.weights;
@@ -44,40 +36,26 @@ pub(super) fn joints(context: &Context<'_>, warnings: &[Warning], findings: &mut
     // For a joint that never moves, the frames do not show its skin.
     let idle: Vec<usize> = joints.filter(|j| !used[*j] && !still.contains(j)).collect();
     if !idle.is_empty() {
-        findings.push(Finding {
-            kind: Kind::Idle,
-            severity: Severity::Note,
-            text: format!(
-                "{} no vertex: {}",
-                count(idle.len(), "joint moves", "joints move"),
-                names(context, &idle)
-            ),
-            places: places(context, &idle),
-        });
+        let moves = count(idle.len(), "joint moves", "joints move");
+        let text = format!("{moves} no vertex: {}", names(context, &idle));
+        findings.push(Finding::note(Kind::Idle, text, places(context, &idle)));
     }
 }
 
-fn non_rigid(
-    context: &Context<'_>,
-    warning: &Warning,
-    joint: &str,
-    worst_frame: Option<usize>,
-) -> Finding {
+fn non_rigid(context: &Context<'_>, warning: &Warning) -> Option<Finding> {
+    let Warning::NonRigidJoint { joint, worst_frame, .. } = warning else { return None };
+    let worst_frame = worst_frame.and_then(|frame| usize::try_from(frame).ok());
     let number = context.examples.skeleton.names.iter().position(|name| name == joint).unwrap_or(0);
     let map = match worst_frame {
         Some(frame) => &context.examples.pose(frame)[number],
         None => &context.examples.skeleton.rest[number],
     };
-    let mut places = vec![Place::Joint(joint.to_owned())];
+    let mut places = vec![Place::Joint(joint.clone())];
     let frame = worst_frame.map(|frame| FrameName::new(context.clips, frame));
     places.extend(frame.map(Place::Frame));
     let warning = warning.clone().called(context.clips);
-    Finding {
-        kind: Kind::NonRigid,
-        severity: Severity::Warning,
-        text: format!("{warning}; {}: export joints without scale", stretch(map)),
-        places,
-    }
+    let text = format!("{warning}; {}: export joints without scale", stretch(map));
+    Some(Finding::warning(Kind::NonRigid, text, places))
 }
 
 /// Says whether a joint's map is scaled evenly or stretched.
@@ -103,29 +81,19 @@ fn half_turns(context: &Context<'_>, findings: &mut Vec<Finding>) {
         (0..context.frames.len()).max_by(|&a, &b| angle(a).total_cmp(&angle(b))).unwrap_or(0)
     };
     let line = |&joint: &usize| {
-        let degrees = ranges[joint].to_degrees();
-        format!(
-            "{} by {degrees:.0}° in frame {}",
-            context.joint(joint),
-            context.frame(worst(joint))
-        )
+        let (degrees, frame) = (ranges[joint].to_degrees(), context.frame(worst(joint)));
+        format!("{} by {degrees:.0}° in frame {frame}", context.joint(joint))
     };
-    findings.push(Finding {
-        kind: Kind::HalfTurn,
-        severity: Severity::Warning,
-        text: format!(
-            "{} near a half turn against the parent, where the rotational predictor jumps: {}; use `--predictor \
-             kernel`, or share the turn with another joint",
-            count(over.len(), "joint comes", "joints come"),
-            listed(over.iter().map(line))
-        ),
-        places: over
-            .iter()
-            .flat_map(|&joint| {
-                [context.joint_place(joint), Place::Frame(context.frame(worst(joint)))]
-            })
-            .collect(),
-    });
+    let text = format!(
+        "{} near a half turn against the parent, where the rotational predictor jumps: {}; use `--predictor \
+         kernel`, or share the turn with another joint",
+        count(over.len(), "joint comes", "joints come"),
+        listed(over.iter().map(line))
+    );
+    let both =
+        |&joint: &usize| [context.joint_place(joint), Place::Frame(context.frame(worst(joint)))];
+    let places = over.iter().flat_map(both).collect();
+    findings.push(Finding::warning(Kind::HalfTurn, text, places));
 }
 
 fn names(context: &Context<'_>, joints: &[usize]) -> String {
@@ -142,7 +110,7 @@ pub(super) fn misleading_weights(context: &Context<'_>, findings: &mut Vec<Findi
     let training = &context.training;
     let left = training.targets(&painted).residuals(&training.poses.stacked());
     // Errors below the RMS error of all skin do not count.
-    let unseen = context.lbs_rms().max(VISIBLE).powi(2) * training.poses.len() as f64;
+    let unseen = training.lbs_rms().max(VISIBLE).powi(2) * training.poses.len() as f64;
     let joint_len = context.examples.joint_len();
     // Squared errors of painted and of fitted weights.
     let mut sums = vec![[0.0; 2]; joint_len];
@@ -156,15 +124,11 @@ pub(super) fn misleading_weights(context: &Context<'_>, findings: &mut Vec<Findi
     if joints.is_empty() {
         return;
     }
-    findings.push(Finding {
-        kind: Kind::Weights,
-        severity: Severity::Warning,
-        text: format!(
-            "the mesh's own joint weights are wrong for the skin of {}: their error is far larger than that of \
-             fitted weights; check that they belong to this mesh and these joints, and are more than an automatic binding: {}",
-            count(joints.len(), "joint", "joints"),
-            names(context, &joints)
-        ),
-        places: places(context, &joints),
-    });
+    let text = format!(
+        "the mesh's own joint weights are wrong for the skin of {}: their error is far larger than that of \
+         fitted weights; check that they belong to this mesh and these joints, and are more than an automatic binding: {}",
+        count(joints.len(), "joint", "joints"),
+        names(context, &joints)
+    );
+    findings.push(Finding::warning(Kind::Weights, text, places(context, &joints)));
 }

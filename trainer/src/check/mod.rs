@@ -153,12 +153,8 @@ pub fn judge<'a>(
     faces::in_poses(all, &mut findings);
     progress.step("frames", 1);
     if context.training.poses.are_equal() {
-        findings.push(Finding {
-            kind: Kind::OnePose,
-            severity: Severity::Warning,
-            text: one_pose(context.frames.len()).to_string(),
-            places: Vec::new(),
-        });
+        let text = one_pose(context.frames.len()).to_string();
+        findings.push(Finding::warning(Kind::OnePose, text, Vec::new()));
     }
     frames::repeats(all, &mut findings);
     findings.extend(broken);
@@ -199,7 +195,7 @@ fn floor(context: &Context<'_>) -> Floor {
     let of_vertex = |v: usize| 100.0 * context.rms_of(&[v]);
     let frames = worst_first(0..context.frames.len(), of_frame).into_iter().take(WORST);
     let vertices = worst_first(all.iter().copied(), of_vertex).into_iter().take(WORST);
-    let rms_percent = 100.0 * context.lbs_rms();
+    let rms_percent = 100.0 * context.training.lbs_rms();
     let own_weights_percent = own_weights_rms(context).map(|rms| 100.0 * rms);
     Floor {
         rms_percent,

@@ -62,7 +62,7 @@ pub struct Isolated {
 
 /// Compares the training poses; `None` if LBS is exact or no joint moves.
 pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
-    if context.lbs_rms() < VISIBLE {
+    if context.training.lbs_rms() < VISIBLE {
         return None;
     }
     let poses = compared(context.frames.len());
@@ -73,7 +73,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     let errors: Vec<SampleErrors> = regions
         .par_iter()
         .map(|region| region.errors(context.training, &poses))
-        .collect::<Option<Vec<_>>>()?;
+        .collect::<Option<_>>()?;
     let sum = |of: &dyn Fn(&SampleErrors) -> f64| errors.iter().map(of).sum::<f64>();
     let left = |r: &Region| (0..poses.len()).map(|i| r.regression.left(i)).sum::<f64>();
     let lbs: f64 = regions.iter().map(left).sum();
@@ -89,7 +89,7 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     let usual = alone.iter().sum::<f64>() / poses.len() as f64;
     let mean_lbs = lbs / poses.len() as f64;
     let tolerance = (REDUNDANT.powi(2) * usual).max(NEGLIGIBLE.powi(2) * mean_lbs);
-    let Enough { mut kept, redundant } = enough(&mut regions, tolerance);
+    let (mut kept, redundant) = enough(&mut regions, tolerance);
     kept.sort_unstable();
     let is_isolated =
         |&i: &usize| alone[i] > ISOLATED.powi(2) * usual && percent(alone[i]) > 100.0 * VISIBLE;
@@ -117,16 +117,10 @@ pub(super) fn predict(context: &Context<'_>) -> Option<Predicted> {
     })
 }
 
-/// Indices among the compared poses.
-struct Enough {
-    kept: Vec<usize>,
-    /// The best predicted first.
-    redundant: Vec<usize>,
-}
-
 /// Selects the pose with the worst prediction by the selected poses, until the squared error of every other pose is
-/// within the tolerance.
-fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
+/// within the tolerance. Returns the selected and the other poses, the best predicted first, as indices among the
+/// compared poses.
+fn enough(regions: &mut [Region], tolerance: f64) -> (Vec<usize>, Vec<usize>) {
     let n = regions.first().map_or(0, |region| region.regression.sample_len());
     let mut kept = Vec::new();
     loop {
@@ -141,7 +135,7 @@ fn enough(regions: &mut [Region], tolerance: f64) -> Enough {
             }
             _ => {
                 redundant.sort_by(by_error);
-                return Enough { kept, redundant };
+                return (kept, redundant);
             }
         }
     }

@@ -2,7 +2,7 @@
 //! posed meshes.
 
 use super::context::{Context, worst_first};
-use super::finding::{Finding, FrameName, Kind, Place, Severity, count, listed, short};
+use super::finding::{Finding, FrameName, Kind, Severity, count, listed, short};
 use super::thresholds::{FAR, GROUND, NEAR_REST, REST_ERROR, ROUNDED, TALL, VISIBLE};
 use crate::envelope::clean::HOPS;
 use crate::envelope::correction::features::near;
@@ -54,24 +54,16 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize
         bits_lost: (distance / diagonal).max(1.0).log2(),
     };
     if let Some(error) = too_far(examples, COARSE.1) {
-        findings.push(Finding {
-            kind: Kind::TooFar,
-            severity: Severity::Warning,
-            text: error.to_string(),
-            places: Vec::new(),
-        });
+        findings.push(Finding::warning(Kind::TooFar, error.to_string(), Vec::new()));
     } else if distance > FAR.0 * diagonal {
-        findings.push(Finding {
-            kind: Kind::FarAway,
-            severity: if distance > FAR.1 * diagonal { Severity::Warning } else { Severity::Note },
-            text: format!(
-                "the mesh stands {:.0} diagonals from the origin, which costs {:.0} of the 24 bits \
-                 of its positions: move mesh and skeleton to the origin before export",
-                distance / diagonal,
-                size.bits_lost
-            ),
-            places: Vec::new(),
-        });
+        let severity = if distance > FAR.1 * diagonal { Severity::Warning } else { Severity::Note };
+        let text = format!(
+            "the mesh stands {:.0} diagonals from the origin, which costs {:.0} of the 24 bits \
+             of its positions: move mesh and skeleton to the origin before export",
+            distance / diagonal,
+            size.bits_lost
+        );
+        findings.push(Finding::new(severity, Kind::FarAway, text, Vec::new()));
     }
     let odd = match size.metres {
         Some(metres) if !is_usual(metres) => Some(unusual_size(metres, &size.units)),
@@ -82,14 +74,7 @@ pub(super) fn size(examples: &Examples, findings: &mut Vec<Finding>) -> MeshSize
         )),
         _ => None,
     };
-    if let Some(text) = odd {
-        findings.push(Finding {
-            kind: Kind::OddSize,
-            severity: Severity::Note,
-            text,
-            places: Vec::new(),
-        });
-    }
+    findings.extend(odd.map(|text| Finding::note(Kind::OddSize, text, Vec::new())));
     size
 }
 
@@ -143,7 +128,8 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
     let rms = |sum: f64, count: usize| (sum / count.max(1) as f64).sqrt();
     let (mut joints, mut tested) = (0, 0);
     let mut off = Vec::new();
-    for (joint, skin) in context.skins().iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
+    let skins = context.lbs_residuals().skins();
+    for (joint, skin) in skins.iter().enumerate().filter(|(_, skin)| !skin.is_empty()) {
         joints += 1;
         let around = near(&context.training.skeleton.parents, joint, HOPS);
         let bend = |i: usize| around.iter().map(|&j| context.turns.bend(i, j)).fold(0.0, f64::max);
@@ -167,29 +153,22 @@ pub(super) fn rest(context: &Context<'_>, findings: &mut Vec<Finding>) -> Rest {
                 (context.joint(joint), context.frame(frame), context.length(error));
             format!("{name} by {error} in frame {frame}, {bend:.0}° from rest")
         };
-        findings.push(Finding {
-            kind: Kind::RestDiffers,
-            severity: Severity::Warning,
-            text: format!(
-                "no mesh near rest matches the rest mesh, which may be another sculpt; differences: {}",
-                listed(order.iter().map(line))
-            ),
-            places: order.iter().map(|&k| context.joint_place(off[k].0)).collect(),
-        });
+        let text = format!(
+            "no mesh near rest matches the rest mesh, which may be another sculpt; differences: {}",
+            listed(order.iter().map(line))
+        );
+        let places = order.iter().map(|&k| context.joint_place(off[k].0)).collect();
+        findings.push(Finding::warning(Kind::RestDiffers, text, places));
     }
     // If LBS is exact, every frame shows that the rest mesh belongs to the poses.
-    if tested == 0 && context.lbs_rms() > seen {
-        findings.push(Finding {
-            kind: Kind::RestUntested,
-            severity: Severity::Note,
-            text: format!(
-                "no training frame is near rest (the nearest is frame {}, {:.0}° away), so \
-                 nothing shows whether the rest mesh belongs to the poses: add the rest pose",
-                context.frame(nearest),
-                bend(nearest)
-            ),
-            places: vec![Place::Frame(context.frame(nearest))],
-        });
+    if tested == 0 && training.lbs_rms() > seen {
+        let text = format!(
+            "no training frame is near rest (the nearest is frame {}, {:.0}° away), so \
+             nothing shows whether the rest mesh belongs to the poses: add the rest pose",
+            context.frame(nearest),
+            bend(nearest)
+        );
+        findings.push(Finding::note(Kind::RestUntested, text, context.frames([nearest])));
     }
     let nearest_lbs_percent = 100.0 * context.rms(nearest, &all);
     Rest {

@@ -1,14 +1,12 @@
 //! Tests whether the meshes belong to their frames, or to earlier or later frames, in a whole clip or a part.
 
-use super::finding::{Finding, FrameName, Kind, Place, Severity, runs};
+use super::finding::{Finding, FrameName, Kind, Place, runs};
 use super::thresholds::{SHIFT_FRAMES, SHIFT_RUN, SHIFTED, SHIFTS, VISIBLE};
 use crate::envelope::lbs::poses::{Poses, trajectories};
 use crate::envelope::lbs::targets::Targets;
 use crate::envelope::lbs::weights::{self, BASELINE_INFLUENCES};
-use crate::examples::spread;
-use crate::examples::{Clip, Examples, Importance, Split};
+use crate::examples::{Clip, Examples, Importance, Split, spread};
 use crate::space::beside;
-use sinew_runtime::format::Space;
 
 /// Number of vertices in a test.
 const VERTICES: usize = 400;
@@ -173,13 +171,8 @@ fn cheapest(rows: &[Vec<f64>], change: f64) -> Vec<usize> {
     for column in 0..rows.first().map_or(0, Vec::len) {
         let best = least(&costs);
         let changed = costs[best] + change;
-        from.push(
-            costs
-                .iter()
-                .enumerate()
-                .map(|(k, &cost)| if cost < changed { k } else { best })
-                .collect::<Vec<_>>(),
-        );
+        let choose = |(k, &cost): (usize, &f64)| if cost < changed { k } else { best };
+        from.push(costs.iter().enumerate().map(choose).collect::<Vec<_>>());
         for (cost, row) in costs.iter_mut().zip(rows) {
             *cost = cost.min(changed) + row[column];
         }
@@ -195,13 +188,9 @@ fn cheapest(rows: &[Vec<f64>], change: f64) -> Vec<usize> {
 
 /// Groups frames into runs with the same shift.
 fn shift_runs(frames: &[usize], shifts: &[isize]) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
-    for (&first, &shift) in frames.iter().zip(shifts) {
-        if runs.last().is_none_or(|run| run.shift != shift) {
-            runs.push(Run { first, shift });
-        }
-    }
-    runs
+    let all: Vec<Run> =
+        frames.iter().zip(shifts).map(|(&first, &shift)| Run { first, shift }).collect();
+    all.chunk_by(|a, b| a.shift == b.shift).map(|run| run[0]).collect()
 }
 
 impl Shifted {
@@ -224,11 +213,11 @@ impl Shifted {
                     1 => String::new(),
                     _ => format!(" in the frames {}", runs(&frames).join(", ")),
                 };
-                format!(
-                    "{} {}{frames}",
-                    frame_count(run.shift),
-                    if run.shift > 0 { "late" } else { "early" }
-                )
+                let late = if run.shift > 0 { "late" } else { "early" };
+                match run.shift.unsigned_abs() {
+                    1 => format!("one frame {late}{frames}"),
+                    count => format!("{count} frames {late}{frames}"),
+                }
             })
             .collect();
         let diagonal = examples.diagonal();
@@ -236,25 +225,14 @@ impl Shifted {
             let percent = 100.0 * left / diagonal;
             format!("{percent:.3} %{} of the diagonal", beside(percent, examples.diagonal_mm()))
         });
-        Finding {
-            kind: Kind::OutOfStep,
-            severity: Severity::Warning,
-            text: format!(
-                "the meshes of clip {} seem to be {}: the error of LBS is {now}, and {then} with each mesh moved to its own \
-                 frame; the rest of this check uses the moved meshes: export them in step",
-                clip.name,
-                parts.join(", and ")
-            ),
-            places: late.map(|(run, _)| Place::Frame(name(run.first))).collect(),
-        }
-    }
-}
-
-/// Formats the length of a shift.
-fn frame_count(shift: isize) -> String {
-    match shift.unsigned_abs() {
-        1 => "one frame".to_owned(),
-        count => format!("{count} frames"),
+        let text = format!(
+            "the meshes of clip {} seem to be {}: the error of LBS is {now}, and {then} with each mesh moved to its own \
+             frame; the rest of this check uses the moved meshes: export them in step",
+            clip.name,
+            parts.join(", and ")
+        );
+        let places = late.map(|(run, _)| Place::Frame(name(run.first))).collect();
+        Finding::warning(Kind::OutOfStep, text, places)
     }
 }
 
@@ -271,18 +249,11 @@ pub(super) fn sample(examples: &Examples) -> Examples {
     let pick = |points: &[[f64; 3]]| kept.iter().map(|&v| points[v]).collect::<Vec<_>>();
     Examples {
         rest: pick(&examples.rest),
-        triangles: Vec::new(),
-        engine: None,
         skeleton: examples.skeleton.clone(),
         vertices: (0..examples.frame_len()).flat_map(|f| pick(examples.frame(f))).collect(),
         transforms: examples.transforms.clone(),
         split: examples.split.clone(),
-        ranges: Vec::new(),
         clip_starts: examples.clip_starts.clone(),
-        space: Space::default(),
-        joint_weights: None,
-        importance: None,
-        frame_weights: None,
-        own_skin: false,
+        ..Examples::default()
     }
 }

@@ -21,11 +21,6 @@ pub(super) struct ModelArgs {
 }
 
 impl ModelArgs {
-    /// Names the file, for errors.
-    pub(super) fn named(&self) -> String {
-        self.file.display().to_string()
-    }
-
     /// Loads the model.
     ///
     /// # Errors

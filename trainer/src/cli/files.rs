@@ -18,7 +18,7 @@ const FOREIGN: [&str; 23] = [
 /// File that can be written.
 pub(super) struct OutputFile {
     /// Path as given.
-    named: PathBuf,
+    pub(super) named: PathBuf,
     /// Absolute path without links.
     place: PathBuf,
 }
@@ -94,11 +94,6 @@ impl OutputFile {
         Ok(self)
     }
 
-    /// Returns the path as given.
-    pub(super) fn named(&self) -> &Path {
-        &self.named
-    }
-
     /// Returns whether two paths lead to one file.
     pub(super) fn is(&self, other: &OutputFile) -> bool {
         self.place == other.place
@@ -107,7 +102,7 @@ impl OutputFile {
     /// Writes bytes to a file in the same folder.
     fn part(&self, bytes: &[u8]) -> anyhow::Result<PendingFile> {
         let written = PendingFile::create(&self.place)
-            .and_then(|mut part| part.file().write_all(bytes).map(|()| part));
+            .and_then(|mut part| part.file.write_all(bytes).map(|()| part));
         written.with_context(|| cannot_write(&self.named))
     }
 }
@@ -135,7 +130,7 @@ pub(super) fn refuse_same(files: &[Option<&OutputFile>]) -> anyhow::Result<()> {
     let files: Vec<_> = files.iter().flatten().collect();
     for (number, one) in files.iter().enumerate() {
         if files[..number].iter().any(|other| other.is(one)) {
-            bail!("{}: two outputs are one file", cannot_write(one.named()));
+            bail!("{}: two outputs are one file", cannot_write(&one.named));
         }
     }
     Ok(())

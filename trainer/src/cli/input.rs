@@ -4,6 +4,7 @@ use super::arguments::number;
 use super::output::Bars;
 use super::{OfFile, Output};
 use anyhow::{Context, bail};
+use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_trainer::Error;
 use sinew_trainer::examples::{
@@ -53,38 +54,26 @@ pub(super) struct ExampleArguments {
     pub(super) hold_out_clip: Vec<String>,
 }
 
-/// Input file in the record of a training.
-#[derive(serde::Serialize)]
-pub(super) struct InputFile {
-    file: String,
-    sha256: String,
-}
-
 impl ExampleArguments {
-    /// Loads examples for a check. The check reports the findings of validation itself.
-    pub(super) fn load_to_check(&self, output: Output) -> anyhow::Result<Loaded> {
-        self.load_warning(output, |warning| !warning.is_of_validation())
-    }
-
-    /// Loads examples to measure a model. The caller reports meshes of a scene's own skinning.
-    pub(super) fn load_to_measure(&self, output: Output) -> anyhow::Result<Loaded> {
-        self.load_warning(output, |warning| *warning != Warning::PlainSkin)
-    }
-
-    fn load_warning(
+    /// Loads examples, and prints some of the warnings.
+    pub(super) fn load(
         &self,
         output: Output,
         is_printed: fn(&Warning) -> bool,
     ) -> anyhow::Result<Loaded> {
         let (mut files, mut found) = (Vec::new(), Vec::new());
-        let importance = self.importance_of_each()?;
-        let sources = self.sources()?;
-        for (source, importance) in sources.iter().zip(importance) {
+        let (len, given) = (self.examples.len(), self.importance.len());
+        if given > 1 && given != len {
+            bail!(
+                "--importance: expected one for all files or one for each of {len}, found {given}"
+            );
+        }
+        for (number, source) in self.sources()?.iter().enumerate() {
             let loaded = read(*source, output, load);
             // Warnings about earlier files may explain why a file is refused.
             let mut input = loaded.inspect_err(|_| print_all(&found, is_printed, output))?;
             join_warnings(&mut found, source.file, input.warnings);
-            if let Some(file) = importance {
+            if let Some(file) = self.importance.get(if given > 1 { number } else { 0 }) {
                 input.examples.weigh(load_importance(file)?).of(file)?;
             }
             files.push((source.file.to_owned(), input.examples, input.clips));
@@ -102,7 +91,7 @@ impl ExampleArguments {
     }
 
     /// Hashes every file that is read.
-    pub(super) fn hashes(&self) -> anyhow::Result<Vec<InputFile>> {
+    pub(super) fn hashes(&self) -> anyhow::Result<Vec<Value>> {
         self.examples.iter().try_for_each(|file| check(file))?;
         self.files().iter().filter(|file| file.exists()).map(|file| hash(file)).collect()
     }
@@ -144,26 +133,13 @@ impl ExampleArguments {
         }
         Ok(sources)
     }
-
-    /// Returns the importance file of each set of examples.
-    fn importance_of_each(&self) -> anyhow::Result<Vec<Option<&Path>>> {
-        let (files, given) = (self.examples.len(), self.importance.len());
-        match &self.importance[..] {
-            [] => Ok(vec![None; files]),
-            [one] => Ok(vec![Some(one.as_path()); files]),
-            all if given == files => Ok(all.iter().map(|file| Some(file.as_path())).collect()),
-            _ => bail!(
-                "--importance: expected one for all files or one for each of {files}, found {given}"
-            ),
-        }
-    }
 }
 
-/// Hashes an input file.
-pub(super) fn hash(file: &Path) -> anyhow::Result<InputFile> {
+/// Hashes an input file, for the record of a training.
+pub(super) fn hash(file: &Path) -> anyhow::Result<Value> {
     let sha256 = hash_file(file).of(file)?;
-    let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(InputFile { file: name, sha256 })
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    Ok(json!({ "file": name, "sha256": sha256 }))
 }
 
 /// Converts examples to the space of a model if both are known, and removes seams that the model's skin lacks.
@@ -274,10 +250,6 @@ pub(super) fn describe(examples: &Examples) -> String {
 /// Counts frames by use.
 pub(super) fn describe_frames(examples: &Examples) -> String {
     let count = |split| examples.frames_of(split).len();
-    format!(
-        "{} training, {} held-out, {} extreme frames",
-        count(Split::Train),
-        count(Split::HeldOut),
-        count(Split::Extreme),
-    )
+    let [train, held_out, extreme] = [Split::Train, Split::HeldOut, Split::Extreme].map(count);
+    format!("{train} training, {held_out} held-out, {extreme} extreme frames")
 }

@@ -56,17 +56,12 @@ impl Run for Inspect {
         let sections: Vec<_> = model.sections().map(section).collect();
         let in_sections: usize = model.sections().map(|section| section.bytes.len()).sum();
         let report = Report::default()
-            .shown("bytes", "", len, format!("{}: {len} bytes", self.model.named()))
+            .shown("bytes", "", len, format!("{}: {len} bytes", self.model.file.display()))
             .shown("space", "", space_as_json(&space), format!("space: {}", describe_space(&space)))
             .json("parts", kinds);
         let report = lists.into_iter().fold(report, |report, (key, parts)| report.list(key, parts));
-        let other = len - in_sections;
-        Ok(report.list("sections", sections).figure(
-            "other_bytes",
-            "head, tables and padding",
-            other,
-            "bytes",
-        ))
+        let (report, other) = (report.list("sections", sections), len - in_sections);
+        Ok(report.figure("other_bytes", "head, tables and padding", other, "bytes"))
     }
 }
 
@@ -151,10 +146,11 @@ fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> Report {
             .shown("model", "normals, RMS, training frames", errors.model, format!("{model:.2} °"))
             .shown("lbs", "normals of LBS, the same frames", errors.lbs, format!("{lbs:.2} °"))
     });
+    let element = skin.shape_element().name();
     let shapes = Report::default().figure("count", "shapes", skin.shape_len(), "").figure(
         "element",
         "numbers of the shapes",
-        skin.shape_element().name(),
+        element,
         "",
     );
     let shapes = match skin.shape_errors() {

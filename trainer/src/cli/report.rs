@@ -144,7 +144,7 @@ impl Report {
 
     /// Adds the name and the number of bytes of a written file.
     pub(super) fn wrote(self, file: &OutputFile, bytes: &[u8]) -> Self {
-        let named = file.named().display().to_string();
+        let named = file.named.display().to_string();
         self.json("file", named).json("bytes", bytes.len()).text(files::wrote(file, bytes))
     }
 

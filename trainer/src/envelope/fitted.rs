@@ -2,7 +2,7 @@
 
 use super::correction::rounding;
 use super::levels;
-use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, Shapes, SkinModel};
+use super::model::{EnvelopeModel, FileModel, Group, Reconstruction, SkinModel};
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::targets::{bases, map_of};
 use crate::envelope::lbs::training::Training;
@@ -69,9 +69,7 @@ impl Fitted {
         let least: Vec<f64> = (0..envelope.proxy_len()).map(least).collect();
         let order = envelope.order_from(largest(&least));
         let place = |proxy: usize| order.iter().position(|&other| other == proxy).unwrap_or(proxy);
-        let renumbered = (0..weights.len())
-            .map(|vertex| weights.of(vertex).map(|(l, alpha)| (place(l), alpha)).collect());
-        let weights = Weights::from_lists(weights.most(), renumbered);
+        let weights = weights.renumbered(place);
         let palettes = bases(&palettes, &order);
         (Self { envelope: envelope.ordered(&order), weights }, palettes)
     }
@@ -85,21 +83,13 @@ impl Fitted {
         // The skeleton stays exact to the last digit.
         envelope.skeleton = examples.skeleton.clone();
         let surface = examples.surface();
-        let influences: Vec<_> =
+        let influences: Vec<Vec<(usize, f64)>> =
             (0..self.weights.len()).map(|v| self.weights.of(v).collect()).collect();
         let to_engine =
             |(name, range): &(String, Range<usize>)| (name.clone(), surface.engine_range(range));
         let skin = SkinModel {
-            name: levels::OWN.to_owned(),
-            envelope: Some(0),
-            rest_positions: surface.copied(&examples.rest),
-            rest_normals: surface.normals(),
-            rest_tangents: surface.tangents(),
-            influences: surface.copied(&influences),
-            tangent_coefficients: None,
-            normal_errors: None,
             ranges: examples.ranges.iter().map(to_engine).collect(),
-            shapes: Shapes::default(),
+            ..SkinModel::new(levels::OWN, &surface, &influences)
         };
         let groups = &self.envelope.groups;
         let length = |share: f32| (training.unit * f64::from(share)) as f32;

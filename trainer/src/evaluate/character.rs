@@ -119,27 +119,15 @@ fn no_envelope() -> Error {
 
 /// The skinned mesh of one frame, as the runtime writes it.
 pub struct SkinnedFrame {
-    positions: Vec<f32>,
-    normals: Vec<f32>,
-    confidence: f64,
+    /// Positions of the skin's vertices, 3E floats.
+    pub positions: Vec<f32>,
+    /// Normals of the skin's vertices, 3E floats.
+    pub normals: Vec<f32>,
+    /// The model's confidence in the pose, in [0, 1].
+    pub confidence: f64,
 }
 
 impl SkinnedFrame {
-    /// Positions of the skin's vertices, 3E floats.
-    pub fn positions(&self) -> &[f32] {
-        &self.positions
-    }
-
-    /// Normals of the skin's vertices, 3E floats.
-    pub fn normals(&self) -> &[f32] {
-        &self.normals
-    }
-
-    /// Returns the model's confidence in the pose, in [0, 1].
-    pub fn confidence(&self) -> f64 {
-        self.confidence
-    }
-
     /// Returns the position and normal of a vertex.
     ///
     /// # Panics

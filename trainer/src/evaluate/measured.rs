@@ -109,7 +109,7 @@ impl Measured {
         let frames = frames.par_iter().map(|&frame| {
             let skin = skin(character, examples, frame)?;
             let measured = MeasuredFrame::new(examples, &truth, frame, |v| skin.vertex(v));
-            Ok(MeasuredFrame { confidence: skin.confidence(), ..measured })
+            Ok(MeasuredFrame { confidence: skin.confidence, ..measured })
         });
         Ok(Self::new(examples, frames.collect::<Result<_, Error>>()?))
     }

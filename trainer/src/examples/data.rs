@@ -1,8 +1,7 @@
 //! Examples: posed meshes of one character, and its joints.
 
 use crate::mesh::{EngineMesh, Surface, normals};
-use crate::space::Conversion;
-use crate::space::millimetres;
+use crate::space::{Conversion, millimetres};
 use rayon::prelude::*;
 use sinew_runtime::format::Space;
 use std::ops::Range;
@@ -33,7 +32,7 @@ impl Split {
 }
 
 /// Joints of a character: a tree with one root.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Skeleton {
     /// Names, J.
     pub names: Vec<String>,
@@ -63,7 +62,7 @@ impl Skeleton {
 }
 
 /// N poses of a mesh with V vertices and T triangles on J joints, in the input's units.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Examples {
     /// Rest positions, V.
     pub rest: Vec<[f64; 3]>,
@@ -121,11 +120,7 @@ impl Examples {
     #[must_use]
     pub fn trained_on(&self, frames: &[usize]) -> Self {
         let mut others = self.clone();
-        others
-            .split
-            .iter_mut()
-            .filter(|split| **split == Split::Train)
-            .for_each(|split| *split = Split::HeldOut);
+        self.frames_of(Split::Train).iter().for_each(|&f| others.split[f] = Split::HeldOut);
         frames.iter().for_each(|&frame| others.split[frame] = Split::Train);
         others
     }
@@ -160,9 +155,7 @@ impl Examples {
 
     /// Returns the diagonal of the rest mesh's bounding box, the reference length of every error.
     pub fn diagonal(&self) -> f64 {
-        let [low, high] = self.bounds();
-        let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
-        extent.iter().map(|length| length * length).sum::<f64>().sqrt()
+        diagonal(self.rest.iter().copied())
     }
 
     /// Returns the step of f32 at the largest coordinate, relative to the diagonal; 0 if the positions have more digits
@@ -182,25 +175,13 @@ impl Examples {
 
     /// Returns the lowest and highest corner of the rest mesh's bounding box.
     pub fn bounds(&self) -> [[f64; 3]; 2] {
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        for position in &self.rest {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(position[axis]);
-                high[axis] = high[axis].max(position[axis]);
-            }
-        }
-        [low, high]
+        bounds(self.rest.iter().copied())
     }
 
     /// Returns the mean of the rest positions.
     pub fn centroid(&self) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for position in &self.rest {
-            for axis in 0..3 {
-                sum[axis] += position[axis];
-            }
-        }
+        let add = |sum: [f64; 3], x: &[f64; 3]| [0, 1, 2].map(|axis| sum[axis] + x[axis]);
+        let sum = self.rest.iter().fold([0.0; 3], add);
         sum.map(|sum| sum / self.vertex_len().max(1) as f64)
     }
 
@@ -254,6 +235,26 @@ impl Examples {
             self.engine = None;
         }
     }
+}
+
+/// Returns the lowest and highest corner of the points' bounding box; infinities for no points.
+pub(super) fn bounds(points: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 2] {
+    points.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], x| {
+        let axes = [0, 1, 2];
+        [axes.map(|axis| low[axis].min(x[axis])), axes.map(|axis| high[axis].max(x[axis]))]
+    })
+}
+
+/// Returns the diagonal of the points' bounding box; 0 for no points.
+pub(crate) fn diagonal(points: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let [low, high] = bounds(points);
+    let extent = [0, 1, 2].map(|axis| (high[axis] - low[axis]).max(0.0));
+    extent.iter().map(|length| length * length).sum::<f64>().sqrt()
+}
+
+/// Returns the rigid map that moves by a vector.
+pub(super) fn translation([x, y, z]: [f64; 3]) -> Matrix3x4 {
+    [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
 }
 
 /// Returns at most `most` evenly spaced numbers below `len`, ascending.

@@ -80,12 +80,11 @@ impl Examples {
         check_share(share)?;
         let frames: Vec<usize> =
             (0..self.frame_len()).filter(|&frame| self.split[frame] != Split::Extreme).collect();
-        if frames.is_empty() {
-            let words = "no frame is left to train: all are held out or extreme";
-            return Err(Error::missing(words));
-        }
-        if frames.len() == 1 {
-            return Err(Error::missing("1 frames are too few, 2 are needed"));
+        if frames.len() < 2 {
+            return Err(Error::missing(match frames.is_empty() {
+                true => "no frame is left to train: all are held out or extreme",
+                false => "1 frames are too few, 2 are needed",
+            }));
         }
         let runs = RUNS.min(frames.len() / 2);
         for run in 0..runs {

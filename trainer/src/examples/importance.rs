@@ -67,9 +67,7 @@ impl Examples {
         self.importance = Some(numbers);
         Ok(())
     }
-}
 
-impl Examples {
     /// Sets the number of times that each frame counts.
     ///
     /// - `numbers`: whole numbers from 1 to 100, N.

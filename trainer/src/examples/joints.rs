@@ -38,7 +38,7 @@ impl Examples {
                 joints.push(self.skeleton.names[joint].clone());
             }
         }
-        (!joints.is_empty()).then_some(Warning::IdleScaled { joints })
+        (!joints.is_empty()).then_some(Warning::IdleScaled(joints))
     }
 
     /// Estimates the rest origins of joints without a rest position in the source, from the training frames. Call again
@@ -81,7 +81,7 @@ pub(super) fn join_roots(
     let Some((&reference, others)) = roots.split_first() else { return (parents, roots) };
     if !others.is_empty() {
         let joints = roots.iter().map(|&root| names[root].clone()).collect();
-        warnings.push(Warning::SeveralRoots { joints });
+        warnings.push(Warning::SeveralRoots(joints));
     }
     others.iter().for_each(|&root| parents[root] = Some(reference));
     (parents, others.to_vec())
@@ -101,9 +101,7 @@ fn unscaled(map: &Matrix3x4, origin: &Vector3<f64>) -> Matrix3x4 {
 /// undetermined. The estimate is then the candidate nearest to the centroid of the rest mesh. The root gets the
 /// centroid; no result depends on this choice.
 fn rest_origin(examples: &Examples, joint: usize) -> [f64; 3] {
-    let centroid =
-        examples.rest.iter().map(|&position| Vector3::from(position)).sum::<Vector3<f64>>()
-            / examples.vertex_len() as f64;
+    let centroid = Vector3::from(examples.centroid());
     let Some(parent) = examples.skeleton.parents[joint] else { return centroid.into() };
 
     let frames = examples.frames_of(Split::Train);
@@ -154,7 +152,7 @@ mod tests {
         examples.transforms[1] = scaled;
         let warning = examples.unscale_idle_joints();
         let joints = vec![examples.skeleton.names[1].clone()];
-        assert_eq!(warning, Some(Warning::IdleScaled { joints }));
+        assert_eq!(warning, Some(Warning::IdleScaled(joints)));
         let found = examples.transforms[1];
         // A quarter turn about z that still moves (0.5, 1, 0) to (-1, 3.5, 3).
         let expected = [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 3.0], [0.0, 0.0, 1.0, 3.0]];

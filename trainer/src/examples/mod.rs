@@ -16,14 +16,13 @@ pub(crate) mod testing;
 mod validate;
 mod warning;
 
-pub use crate::formats::scene::JointNames;
-pub use crate::formats::scene::{Clip, RATES};
-pub(crate) use data::spread;
+pub use crate::formats::scene::{Clip, JointNames, RATES};
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
+pub(crate) use data::{diagonal, spread};
 pub use distortion::{Distortion, RIGID};
 pub use fingerprint::{Mark, hash_file, is_same};
 pub use frames::{FrameName, check_share, numbered};
 pub use import::{Loaded, Source, has_no_mesh, join, load, load_motion, load_poses, npz};
-pub(crate) use import::{PosedClips, is_shuffled};
+pub(crate) use import::{best_order, is_shuffled};
 pub use importance::{Importance, load_importance};
 pub use warning::{Severity, Warning};

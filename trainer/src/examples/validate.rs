@@ -81,11 +81,7 @@ impl Examples {
         self.check_numbers(origin)?;
         let mut warnings = self.check_faces()?;
         self.check_engine(origin)?;
-        for (map, joint) in self.skeleton.rest.iter().zip(&self.skeleton.names) {
-            if deviation(map) > REPAIRABLE {
-                return Err(not_rigid(joint, &Distortion::of(map), None));
-            }
-        }
+        self.check_rigid(&self.skeleton.rest, None)?;
         self.check_rigid_in(&self.frames_of(Split::Train))?;
         self.report_rigidity(&self.skeleton.rest, false, &mut warnings);
         self.report_rigidity(&self.transforms, true, &mut warnings);
@@ -98,22 +94,21 @@ impl Examples {
     /// # Errors
     /// A joint is not rigid in a frame.
     pub fn check_rigid_in(&self, frames: &[usize]) -> Result<(), Error> {
-        for &frame in frames {
-            for (map, joint) in self.pose(frame).iter().zip(&self.skeleton.names) {
-                if deviation(map) > REPAIRABLE {
-                    return Err(not_rigid(joint, &Distortion::of(map), Some(frame)));
-                }
-            }
+        frames.iter().try_for_each(|&frame| self.check_rigid(self.pose(frame), Some(frame)))
+    }
+
+    fn check_rigid(&self, maps: &[Matrix3x4], frame: Option<usize>) -> Result<(), Error> {
+        let mut joints = maps.iter().zip(&self.skeleton.names);
+        match joints.find(|(map, _)| deviation(map) > REPAIRABLE) {
+            Some((map, joint)) => Err(not_rigid(joint, &Distortion::of(map), frame)),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Returns the triangles with an area in the rest pose. Only these enter the equations of a fit.
     pub fn solid_triangles(&self) -> Vec<[usize; 3]> {
-        (0..self.triangles.len())
-            .filter(|&triangle| self.has_area(triangle))
-            .map(|triangle| self.triangles[triangle])
-            .collect()
+        let all = (0..self.triangles.len()).filter(|&triangle| self.has_area(triangle));
+        all.map(|triangle| self.triangles[triangle]).collect()
     }
 
     /// Lists the triangles without area in the rest pose, which do not enter the equations of a fit.
@@ -148,13 +143,13 @@ impl Examples {
         if let Some(importance) = &self.importance {
             same("vertices", "rest", vertices, "importance", importance.len())?;
         }
-        if !self.split.contains(&Split::Train) {
-            let frame_len = self.frame_len();
-            return Err(Error::missing(format!(
-                "every frame of {frame_len} is held out or extreme: none is left to train"
-            )));
+        if self.split.contains(&Split::Train) {
+            return Ok(());
         }
-        Ok(())
+        Err(Error::missing(format!(
+            "every frame of {} is held out or extreme: none is left to train",
+            self.frame_len()
+        )))
     }
 
     /// Checks that the named ranges of vertices are within the mesh and do not overlap.
@@ -184,24 +179,20 @@ impl Examples {
         }
         let parents = &self.skeleton.parents;
         for (joint, parent) in parents.iter().enumerate() {
-            if parent.is_some_and(|parent| parent >= parents.len()) {
-                let parent = parent.map(|parent| parent.to_string()).unwrap_or_default();
-                return Err(missing_parent(&names[joint], &parent));
+            if let Some(parent) = parent.filter(|&parent| parent >= parents.len()) {
+                return Err(missing_parent(&names[joint], parent));
             }
         }
         for start in 0..parents.len() {
             let mut chain = vec![start];
-            let mut joint = start;
-            while let Some(parent) = parents[joint] {
-                if let Some(begin) = chain.iter().position(|&seen| seen == parent) {
-                    chain.drain(..begin);
-                    chain.push(parent);
-                    let joints: Vec<_> = chain.iter().map(|&joint| names[joint].as_str()).collect();
-                    let joints = joints.join(" -> ");
+            while let Some(parent) = parents[chain[chain.len() - 1]] {
+                let begin = chain.iter().position(|&seen| seen == parent);
+                chain.push(parent);
+                if let Some(begin) = begin {
+                    let joints = chain[begin..].iter().map(|&joint| names[joint].as_str());
+                    let joints = joints.collect::<Vec<_>>().join(" -> ");
                     return Err(Error::value(format!("joints are their own ancestors: {joints}")));
                 }
-                chain.push(parent);
-                joint = parent;
             }
         }
         let mut roots = (0..parents.len()).filter(|&joint| parents[joint].is_none());
@@ -211,27 +202,22 @@ impl Examples {
         Ok(())
     }
 
-    /// Checks that all numbers are finite, and that the rest pose and training frames are within the range of a model.
+    /// Checks that all numbers are finite, that the rest pose and training frames are within the range of a model, and
+    /// that joint weights are not negative.
     fn check_numbers(&self, origin: &Origin<'_>) -> Result<(), Error> {
         let joint = |number: usize| format!("joint {}", self.skeleton.names[number]);
-        let trained = |frame: usize| self.split[frame] == Split::Train;
-        let rest = |_| true;
-        numbers(origin.rest, self.rest.iter().map(<[_; 3]>::as_slice), None, vertex, rest)?;
-        let count = Some(self.vertex_len());
-        let vertices = self.vertices.iter().map(<[_; 3]>::as_slice);
-        let posed = numbers(origin.vertices, vertices, count, vertex, trained);
+        let trained: &dyn Fn(usize) -> bool = &|frame| self.split[frame] == Split::Train;
+        numbers(origin.rest, &self.rest, None, vertex)?;
+        let posed = Some((self.vertex_len(), trained));
+        let posed = numbers(origin.vertices, &self.vertices, posed, vertex);
         posed.map_err(|error| match origin.posed_file {
             Some(file) => error.in_file(file),
             None => error,
         })?;
         let frames = self.skeleton.rest.iter().map(|map| map.as_flattened());
-        numbers(origin.rest_pose, frames, None, joint, rest)?;
+        numbers(origin.rest_pose, frames, None, joint)?;
         let maps = self.transforms.iter().map(|map| map.as_flattened());
-        numbers(origin.pose, maps, Some(self.joint_len()), joint, trained)?;
-        self.check_joint_weights()
-    }
-
-    fn check_joint_weights(&self) -> Result<(), Error> {
+        numbers(origin.pose, maps, Some((self.joint_len(), trained)), joint)?;
         let mut all = self.joint_weights.iter().flatten().enumerate();
         let Some((place, &number)) = all.find(|(_, number)| !is_weight(**number)) else {
             return Ok(());
@@ -262,14 +248,9 @@ impl Examples {
                 "none of the {triangle_len} rest triangles has an area"
             )));
         }
-        let mut warnings = Vec::new();
-        if !repeated.is_empty() {
-            warnings.push(Warning::RepeatedVertex { triangles: repeated });
-        }
-        if !flat.is_empty() {
-            warnings.push(Warning::ZeroArea { triangles: flat });
-        }
-        Ok(warnings)
+        let repeated = (!repeated.is_empty()).then_some(Warning::RepeatedVertex(repeated));
+        let flat = (!flat.is_empty()).then_some(Warning::ZeroArea(flat));
+        Ok(repeated.into_iter().chain(flat).collect())
     }
 
     /// Checks the engine vertices: every vertex has a copy, the triangles match the mesh, and all numbers are finite.
@@ -309,13 +290,9 @@ impl Examples {
                 )));
             }
         }
-        let all = |_| true;
-        let normals = engine.normals.iter().flatten().map(<[_; 3]>::as_slice);
-        numbers(origin.normals, normals, None, vertex, all)?;
-        let tangents = engine.tangents.iter().flatten().map(<[_; 4]>::as_slice);
-        numbers(origin.tangents, tangents, None, vertex, all)?;
-        let uv = engine.uv.iter().flatten().map(<[_; 2]>::as_slice);
-        numbers(origin.uv, uv, None, vertex, all)
+        numbers(origin.normals, engine.normals.iter().flatten(), None, vertex)?;
+        numbers(origin.tangents, engine.tangents.iter().flatten(), None, vertex)?;
+        numbers(origin.uv, engine.uv.iter().flatten(), None, vertex)
     }
 
     fn has_area(&self, triangle: usize) -> bool {
@@ -368,28 +345,29 @@ pub(super) fn same(
 /// Checks that numbers are finite, and within the range of a model.
 ///
 /// - `name`: name of the numbers in errors.
-/// - `per_frame`: rows of a frame; `None` for numbers without frames.
+/// - `frames`: number of rows of a frame, and whether the numbers of a frame must be within the range; `None` for
+///   numbers without frames, which must be within it.
 /// - `element`: names the element of a row in errors, by its number in the frame.
-/// - `bounded`: whether the numbers of a frame must be within the range of a model.
-pub(super) fn numbers<'a>(
+pub(super) fn numbers(
     name: &str,
-    rows: impl Iterator<Item = &'a [f64]>,
-    per_frame: Option<usize>,
+    rows: impl IntoIterator<Item: AsRef<[f64]>>,
+    frames: Option<(usize, &dyn Fn(usize) -> bool)>,
     element: impl Fn(usize) -> String,
-    bounded: impl Fn(usize) -> bool,
 ) -> Result<(), Error> {
-    for (number, row) in rows.enumerate() {
-        let frame = per_frame.map(|len| number / len);
+    for (number, row) in rows.into_iter().enumerate() {
+        let row = row.as_ref();
+        let (frame, place) =
+            frames.map_or((None, number), |(len, _)| (Some(number / len), number % len));
         let within = |x: &f64| x.abs() <= f64::from(MAGNITUDE_MAX);
+        let bounded = || frames.zip(frame).is_none_or(|((_, bounded), frame)| bounded(frame));
         let fault = if !row.iter().all(|x| x.is_finite()) {
             "is not finite".to_owned()
-        } else if !row.iter().all(within) && frame.is_none_or(&bounded) {
+        } else if !row.iter().all(within) && bounded() {
             format!("exceeds {MAGNITUDE_MAX:e}, the most a model can hold,")
         } else {
             continue;
         };
-        let place = element(per_frame.map_or(number, |len| number % len));
-        let error = Error::value(format!("{name} {fault} at {place}"));
+        let error = Error::value(format!("{name} {fault} at {}", element(place)));
         return Err(match frame {
             Some(frame) => error.in_frame(frame),
             None => error,
@@ -419,7 +397,7 @@ pub(super) fn out_of_range(
 }
 
 /// Creates the error of a joint whose parent does not exist.
-pub(super) fn missing_parent(joint: &str, parent: &str) -> Error {
+pub(super) fn missing_parent(joint: &str, parent: impl Display) -> Error {
     Error::missing(format!("joint {joint} has parent {parent}, which does not exist"))
 }
 

@@ -36,20 +36,11 @@ pub enum Warning {
         deviation: f64,
     },
     /// Triangles with a repeated vertex, which a fit ignores.
-    RepeatedVertex {
-        /// The triangles.
-        triangles: Vec<usize>,
-    },
+    RepeatedVertex(Vec<usize>),
     /// Triangles without area in the rest pose, which a fit ignores.
-    ZeroArea {
-        /// The triangles.
-        triangles: Vec<usize>,
-    },
+    ZeroArea(Vec<usize>),
     /// Several joints have no parent; the first becomes the parent of the others.
-    SeveralRoots {
-        /// Names of these joints, the root first.
-        joints: Vec<String>,
-    },
+    SeveralRoots(Vec<String>),
     /// An animation lacks joints of the character.
     FollowParents {
         /// Names of the missing joints.
@@ -58,19 +49,13 @@ pub enum Warning {
         mismatch: Option<String>,
     },
     /// Idle joints had a scale, which was removed.
-    IdleScaled {
-        /// Names of the joints.
-        joints: Vec<String>,
-    },
+    IdleScaled(Vec<String>),
     /// The animation's rest pose differs from the character's, so the character's rest pose is used.
     RestOfCharacter,
     /// The meshes to learn are the scene's own linear blend skinning.
     PlainSkin,
     /// The targets contain meshes that the scene lacks; these meshes are ignored.
-    TargetsLeftOut {
-        /// Names of the meshes.
-        meshes: Vec<String>,
-    },
+    TargetsLeftOut(Vec<String>),
     /// The targets contain the frames of all clips; only the requested clips are used.
     TargetsCut {
         /// Names of the requested clips.
@@ -118,9 +103,9 @@ impl Warning {
             | Self::TargetsCut { .. }
             | Self::ClipsSorted { .. }
             | Self::RestOfCharacter
-            | Self::RepeatedVertex { .. }
-            | Self::ZeroArea { .. }
-            | Self::IdleScaled { .. }
+            | Self::RepeatedVertex(_)
+            | Self::ZeroArea(_)
+            | Self::IdleScaled(_)
             | Self::Format(FormatWarning::NormalsRepaired { .. }) => Severity::Note,
             _ => Severity::Warning,
         }
@@ -129,10 +114,7 @@ impl Warning {
     /// Returns whether [`Examples::validate`](super::Examples::validate) reports this warning; a check of examples
     /// repeats it.
     pub fn is_of_validation(&self) -> bool {
-        matches!(
-            self,
-            Self::NonRigidJoint { .. } | Self::RepeatedVertex { .. } | Self::ZeroArea { .. }
-        )
+        matches!(self, Self::NonRigidJoint { .. } | Self::RepeatedVertex(_) | Self::ZeroArea(_))
     }
 
     /// Replaces the frame index by the source's frame number.
@@ -166,21 +148,13 @@ impl fmt::Display for Warning {
                     ),
                 }
             }
-            Warning::RepeatedVertex { triangles } => {
-                write!(
-                    f,
-                    "triangles that name a vertex twice are left out of the fit: {}",
-                    FirstFew(triangles)
-                )
+            Warning::RepeatedVertex(all) => {
+                list(f, "triangles that name a vertex twice are left out of the fit", &few(all))
             }
-            Warning::ZeroArea { triangles } => {
-                write!(
-                    f,
-                    "triangles without area at rest are left out of the fit: {}",
-                    FirstFew(triangles)
-                )
+            Warning::ZeroArea(all) => {
+                list(f, "triangles without area at rest are left out of the fit", &few(all))
             }
-            Warning::SeveralRoots { joints } => {
+            Warning::SeveralRoots(joints) => {
                 let (reference, others) =
                     joints.split_first().map_or(("", &[][..]), |(a, b)| (a, b));
                 write!(
@@ -192,19 +166,11 @@ impl fmt::Display for Warning {
                 )
             }
             Warning::FollowParents { joints, mismatch } => {
-                write!(
-                    f,
-                    "joints that it does not have follow their parents: {}",
-                    joints.join(", ")
-                )?;
+                list(f, "joints that it does not have follow their parents", joints)?;
                 mismatch.as_ref().map_or(Ok(()), |mismatch| write!(f, "; {mismatch}"))
             }
-            Warning::IdleScaled { joints } => {
-                write!(
-                    f,
-                    "scaled joints that move no vertex are taken without their scale: {}",
-                    joints.join(", ")
-                )
+            Warning::IdleScaled(joints) => {
+                list(f, "scaled joints that move no vertex are taken without their scale", joints)
             }
             Warning::RestOfCharacter => f.write_str(
                 "its pose without animation is not the rest pose: the character's rest pose is used",
@@ -214,28 +180,20 @@ impl fmt::Display for Warning {
                  blend skinning, so there is nothing to learn; give the posed meshes as \
                  --targets",
             ),
-            Warning::TargetsLeftOut { meshes } => {
-                write!(
-                    f,
-                    "meshes of the targets that the scene lacks are left out: {}",
-                    meshes.join(", ")
-                )
+            Warning::TargetsLeftOut(meshes) => {
+                list(f, "meshes of the targets that the scene lacks are left out", meshes)
             }
-            Warning::TargetsCut { clips, frames, held } => {
-                write!(
-                    f,
-                    "the targets hold all {held} frames of all clips; the {frames} frames of {} are used",
-                    clips.join(", ")
-                )
-            }
-            Warning::ClipsSorted { clips, percent: [sorted, given] } => {
-                write!(
-                    f,
-                    "the targets follow the clips in another order, {}, and were sorted: vertices are {sorted:.2} % of \
-                     the diagonal from where one joint carries them, {given:.2} % as given",
-                    clips.join(", ")
-                )
-            }
+            Warning::TargetsCut { clips, frames, held } => write!(
+                f,
+                "the targets hold all {held} frames of all clips; the {frames} frames of {} are used",
+                clips.join(", ")
+            ),
+            Warning::ClipsSorted { clips, percent: [sorted, given] } => write!(
+                f,
+                "the targets follow the clips in another order, {}, and were sorted: vertices are {sorted:.2} % of \
+                 the diagonal from where one joint carries them, {given:.2} % as given",
+                clips.join(", ")
+            ),
             Warning::HoldOutRounded { share, held, all, runs } => write!(
                 f,
                 "{held} of {all} frames are held out, {:.0} % and not {} %: the frames are cut into {runs} runs, and \
@@ -255,13 +213,13 @@ impl fmt::Display for Warning {
     }
 }
 
-struct FirstFew<'a>(&'a [usize]);
+/// Writes words and the things that they are about.
+fn list(f: &mut fmt::Formatter<'_>, words: &str, things: &[String]) -> fmt::Result {
+    write!(f, "{words}: {}", things.join(", "))
+}
 
-impl fmt::Display for FirstFew<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (place, number) in self.0.iter().take(LISTED).enumerate() {
-            write!(f, "{}{number}", if place == 0 { "" } else { ", " })?;
-        }
-        if self.0.len() > LISTED { f.write_str(", ...") } else { Ok(()) }
-    }
+/// Names the first few triangles.
+fn few(triangles: &[usize]) -> Vec<String> {
+    let more = (triangles.len() > LISTED).then(|| "...".to_owned());
+    triangles.iter().take(LISTED).map(usize::to_string).chain(more).collect()
 }

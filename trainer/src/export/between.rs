@@ -2,11 +2,14 @@
 
 use nalgebra::{Isometry3, Matrix4, Point3, Vector3};
 use rayon::prelude::*;
+use sinew_runtime::Envelope;
 
-use super::skeleton::{isometry, parents_first, square};
+use super::played::Played;
+use super::skeleton::{isometry, parents_first, rows, square, wide};
 use super::stretch::Stretch;
-use crate::envelope::levels::Influences;
-use crate::examples::{Matrix3x4, Skeleton};
+use crate::Error;
+use crate::envelope::posed::palette;
+use crate::examples::Matrix3x4;
 
 /// Largest distance of a vertex from its true position between two keys, in diagonals: half the bound in `--help`.
 const NEAR: f64 = 5e-4;
@@ -27,7 +30,9 @@ pub(super) struct Key {
 
 /// The motion of an exported skin between keys. Joints rotate evenly relative to their parents. Proxies move and
 /// stretch evenly relative to the joints that carry them.
-pub(super) struct Between {
+pub(super) struct Between<'a> {
+    /// Predicts the palettes of new keys.
+    envelope: Envelope<'a>,
     /// Rest frames of the joints.
     rest: Vec<Matrix4<f64>>,
     parents: Vec<Option<usize>>,
@@ -46,31 +51,24 @@ struct Follower {
     proxies: Vec<(usize, f64)>,
 }
 
-impl Between {
-    /// Prepares the test of a skin.
-    ///
-    /// - the proxies: their centres, and the joints that carry them.
-    /// - `mesh`: rest positions and influences on the palette.
-    /// - `first_proxy`: index of the first proxy in the palette.
-    pub(super) fn new(
-        skeleton: &Skeleton,
-        (centres, carriers): (&[[f64; 3]], &[usize]),
-        mesh: (&[[f64; 3]], &Influences),
-        first_proxy: usize,
-        diagonal: f64,
-    ) -> Self {
+impl<'a> Between<'a> {
+    /// Prepares the test of a played skin; `diagonal` is that of the rest mesh.
+    pub(super) fn new(played: &Played<'a>, diagonal: f64) -> Self {
+        let (skeleton, first_proxy) = (&played.skeleton, played.first_proxy());
         let parents = skeleton.own_parents();
         let follower = |(x, list): (&[f64; 3], &Vec<(usize, f64)>)| {
             let proxies =
                 list.iter().filter_map(|&(map, w)| Some((map.checked_sub(first_proxy)?, w)));
             Follower { rest: Point3::from(*x), proxies: proxies.collect() }
         };
-        let followers = mesh.0.iter().zip(mesh.1).map(follower);
+        let followers = played.rest.iter().zip(&played.influences).map(follower);
+        let centres = played.centres.iter().map(|&centre| Point3::from(centre));
         Self {
+            envelope: played.character.envelope,
             rest: skeleton.rest.iter().map(square).collect(),
             order: parents_first(&parents),
             parents,
-            proxies: centres.iter().map(|&c| c.into()).zip(carriers.iter().copied()).collect(),
+            proxies: centres.zip(played.carriers.iter().copied()).collect(),
             followers: followers.filter(|follower| !follower.proxies.is_empty()).collect(),
             near: NEAR * diagonal,
         }
@@ -79,42 +77,33 @@ impl Between {
     /// Adds keys to a clip until the skin between any two keys is within the bound. A jump has no room for keys.
     ///
     /// # Errors
-    /// The errors of `palette`, which predicts the palette of a pose.
-    pub(super) fn refine<E: Send>(
-        &self,
-        keys: Vec<Key>,
-        palette: impl Fn(&[Matrix3x4]) -> Result<Vec<sinew_runtime::Matrix3x4>, E> + Sync,
-    ) -> Result<Vec<Key>, E> {
-        let steps =
-            keys.par_windows(2).map(|pair| self.step(&pair[0], &pair[1], &palette, HALVINGS));
-        let mut steps = steps.collect::<Result<Vec<_>, E>>()?.into_iter();
+    /// The runtime refuses a pose; the error names `frame`.
+    pub(super) fn refine(&self, keys: Vec<Key>, frame: usize) -> Result<Vec<Key>, Error> {
+        let steps = keys.par_windows(2).map(|pair| self.step(&pair[0], &pair[1], frame, HALVINGS));
+        let mut steps = steps.collect::<Result<Vec<_>, Error>>()?.into_iter();
         let more = keys.into_iter().map(|key| (key, steps.next().unwrap_or_default()));
         Ok(more.flat_map(|(key, step)| std::iter::once(key).chain(step)).collect())
     }
 
-    fn step<E>(
-        &self,
-        from: &Key,
-        to: &Key,
-        palette: &impl Fn(&[Matrix3x4]) -> Result<Vec<sinew_runtime::Matrix3x4>, E>,
-        halvings: u32,
-    ) -> Result<Vec<Key>, E> {
+    fn step(&self, from: &Key, to: &Key, frame: usize, halvings: u32) -> Result<Vec<Key>, Error> {
         let time = 0.5 * (from.time + to.time);
         if halvings == 0 || !(from.time.next_up() < time && time < to.time.next_down()) {
             return Ok(Vec::new());
         }
-        let at = |part: f64| {
+        let at = |part: f64| -> Result<Key, Error> {
             let pose = self.pose(from, to, part);
-            let palette = palette(&pose)?;
+            let (palette, _) = palette(&self.envelope, &pose, frame)?;
             Ok(Key { time, pose, palette })
         };
-        let is_near = |part| Ok(self.deviation(from, to, part, &at(part)?) <= self.near);
-        if PARTS.into_iter().try_fold(true, |near, part| Ok(near && is_near(part)?))? {
+        let is_near = |part| -> Result<bool, Error> {
+            Ok(self.deviation(from, to, part, &at(part)?) <= self.near)
+        };
+        if PARTS.into_iter().try_fold(true, |near, part| Ok::<_, Error>(near && is_near(part)?))? {
             return Ok(Vec::new());
         }
         let middle = at(0.5)?;
-        let mut keys = self.step(from, &middle, palette, halvings - 1)?;
-        let after = self.step(&middle, to, palette, halvings - 1)?;
+        let mut keys = self.step(from, &middle, frame, halvings - 1)?;
+        let after = self.step(&middle, to, frame, halvings - 1)?;
         keys.push(middle);
         keys.extend(after);
         Ok(keys)
@@ -123,11 +112,8 @@ impl Between {
     /// Interpolates the joints of two keys like linear tracks.
     fn pose(&self, from: &Key, to: &Key, part: f64) -> Vec<Matrix3x4> {
         let worlds = |key: &Key| -> Vec<Isometry3<f64>> {
-            key.pose
-                .iter()
-                .zip(&self.rest)
-                .map(|(map, rest)| isometry(&(square(map) * rest)))
-                .collect()
+            let maps = key.pose.iter().zip(&self.rest);
+            maps.map(|(map, rest)| isometry(&(square(map) * rest))).collect()
         };
         let (from, to) = (worlds(from), worlds(to));
         let mut reached = vec![Isometry3::identity(); from.len()];
@@ -144,8 +130,7 @@ impl Between {
         }
         let map = |(world, rest): (&Isometry3<f64>, &Matrix4<f64>)| {
             let back = rest.try_inverse().unwrap_or_else(Matrix4::identity);
-            let map = world.to_homogeneous() * back;
-            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| map[(row, column)]))
+            rows(&(world.to_homogeneous() * back))
         };
         reached.iter().zip(&self.rest).map(map).collect()
     }
@@ -175,8 +160,4 @@ impl Between {
         };
         self.followers.iter().map(off).fold(0.0, f64::max)
     }
-}
-
-fn wide(map: &sinew_runtime::Matrix3x4) -> Matrix4<f64> {
-    square(&map.map(|row| row.map(f64::from)))
 }

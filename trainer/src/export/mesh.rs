@@ -1,13 +1,13 @@
 //! Skinned meshes of a document: the model's mesh, its parts by name and material, and further meshes on the palette.
 
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::ops::Range;
 
 use super::played::Played;
 use crate::Error;
 use crate::envelope::levels::{Influences, Level, LevelReport, SkinSurface};
-use crate::envelope::posed::{rest, skin_on};
+use crate::envelope::posed::skin_on;
 use crate::evaluate::Character;
 use crate::examples::Examples;
 use crate::formats::appearance::{Appearance, Image, image_kind};
@@ -37,18 +37,17 @@ impl Document {
         let normals: Vec<_> = mesh.normals.iter().map(unit).collect();
         let at = self.floats(ArrayKind::vertices(F32, "VEC3"), &positions);
         self.bound(at, &positions);
-        let mut attributes = Map::new();
-        attributes.insert("POSITION".to_owned(), json!(at));
-        let at = self.floats(ArrayKind::vertices(F32, "VEC3"), &normals);
-        attributes.insert("NORMAL".to_owned(), json!(at));
+        let normals = self.floats(ArrayKind::vertices(F32, "VEC3"), &normals);
+        let mut attributes = json!({ "POSITION": at, "NORMAL": normals });
         if let Some(uv) = mesh.uv {
             // In glTF v grows downward.
             let uv: Vec<_> = uv.iter().map(|&[u, v]| [u as f32, (1.0 - v) as f32]).collect();
-            let at = self.floats(ArrayKind::vertices(F32, "VEC2"), &uv);
-            attributes.insert("TEXCOORD_0".to_owned(), json!(at));
+            attributes["TEXCOORD_0"] = json!(self.floats(ArrayKind::vertices(F32, "VEC2"), &uv));
         }
         let joint_len = self.skins[skin]["joints"].as_array().map_or(0, Vec::len);
-        attributes.extend(self.influences(mesh.influences, joint_len));
+        for (name, array) in self.influences(mesh.influences, joint_len) {
+            attributes[name] = array;
+        }
         let primitive = |(material, triangles): &(Option<usize>, Vec<[usize; 3]>)| {
             let indices = self.indices(triangles, positions.len());
             let mut primitive = json!({ "attributes": attributes, "indices": indices, "mode": 4 });
@@ -95,12 +94,11 @@ impl Document {
 
     fn joints(&mut self, joints: &[[usize; 4]], joint_len: usize) -> ArrayIndex {
         let all = joints.as_flattened().iter();
-        if joint_len <= 256 {
-            let bytes = all.map(|&joint| joint as u8).collect();
-            return self.array(ArrayKind::vertices(U8, "VEC4"), joints.len(), bytes);
-        }
-        let bytes = all.flat_map(|&joint| (joint as u16).to_le_bytes()).collect();
-        self.array(ArrayKind::vertices(U16, "VEC4"), joints.len(), bytes)
+        let (component, bytes) = match joint_len <= 256 {
+            true => (U8, all.map(|&joint| joint as u8).collect()),
+            false => (U16, all.flat_map(|&joint| (joint as u16).to_le_bytes()).collect()),
+        };
+        self.array(ArrayKind::vertices(component, "VEC4"), joints.len(), bytes)
     }
 }
 
@@ -117,22 +115,19 @@ pub(super) struct Part<'a> {
     primitives: Vec<(Option<usize>, Vec<[usize; 3]>)>,
 }
 
-/// Splits a mesh by the ranges of its vertices and by material, both in order. Without ranges the mesh is one part.
+/// Splits a mesh by named ranges of its vertices and by material, both in order. Without ranges the mesh is one part.
 /// Ranges without triangles are left out.
 pub(super) fn parts<'a>(
-    name: &'a str,
-    ranges: &'a [(String, Range<usize>)],
-    vertex_len: usize,
+    mesh: &SkinnedMesh<'a>,
+    ranges: impl Iterator<Item = (&'a str, Range<usize>)>,
     triangles: &[[usize; 3]],
     materials: &[Option<usize>],
 ) -> Vec<Part<'a>> {
-    let whole = [(name, 0..vertex_len)];
-    let named = ranges.iter().map(|(name, range)| (name.as_str(), range.clone()));
-    let all: Vec<_> = if ranges.is_empty() { whole.into() } else { named.collect() };
-    let mut parts: Vec<_> = all
-        .into_iter()
-        .map(|(name, vertices)| Part { name, vertices, primitives: Vec::new() })
-        .collect();
+    let part = |(name, vertices)| Part { name, vertices, primitives: Vec::new() };
+    let mut parts: Vec<_> = ranges.map(part).collect();
+    if parts.is_empty() {
+        parts.push(part((mesh.name, 0..mesh.positions.len())));
+    }
     let materials = materials.iter().copied().chain(std::iter::repeat(None));
     for (triangle, material) in triangles.iter().zip(materials) {
         // The joined meshes follow one another.
@@ -217,7 +212,7 @@ impl FurtherMeshes {
             return Ok(Self::default());
         }
         let own = examples.surface();
-        let Played { character: Character { skin, .. }, palettes, influences, .. } = played;
+        let Played { character: Character { skin, .. }, rest, palettes, influences, .. } = played;
         let posed = palettes
             .par_iter()
             .enumerate()
@@ -227,7 +222,7 @@ impl FurtherMeshes {
             })
             .collect::<Result<Vec<_>, Error>>()?;
         let surface = SkinSurface {
-            rest: &own.of_first_copies(&rest(skin)),
+            rest: &own.of_first_copies(rest),
             triangles: &examples.solid_triangles(),
             influences: &own.of_first_copies(influences),
             most: skin.influence_len(),

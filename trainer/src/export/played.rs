@@ -1,14 +1,16 @@
 //! Clips as the f32 runtime plays them on a model.
 
 use rayon::prelude::*;
-use sinew_runtime::Envelope;
 use sinew_runtime::format::{Handedness, Space};
+use std::mem::take;
+use std::ops::Range;
 
 use super::between::{Between, Key};
+use super::mesh::FurtherMeshes;
 use super::proxies;
 use super::skeleton::{check_clips, key_times};
 use crate::Error;
-use crate::envelope::levels::Influences;
+use crate::envelope::levels::{Influences, Level};
 use crate::envelope::posed::{influences, palette, rest};
 use crate::evaluate::Character;
 use crate::examples::{Clip, Examples, Matrix3x4, Skeleton};
@@ -17,22 +19,10 @@ use crate::space::{Conversion, SpaceRequest};
 /// Radius around a proxy's centre for the choice of its joint, in diagonals.
 const REACH: f64 = 0.05;
 
-/// A model and its palettes at the keys of clips.
+/// A model and its palettes at the keys of clips, in the model's space; mirrored if that space is left-handed.
 pub(super) struct Played<'a> {
-    /// The model's envelope and skin.
+    /// The model's envelope and skin, not mirrored.
     pub(super) character: Character<'a>,
-    /// Key times of each clip, in seconds.
-    pub(super) times: Vec<Vec<f32>>,
-    /// Maps of the joints at the keys, one clip after another.
-    poses: Vec<Vec<Matrix3x4>>,
-    /// Palette of each key.
-    pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
-    /// Influences of the skin's vertices.
-    pub(super) influences: Influences,
-}
-
-/// The played clips in the model's space, mirrored if the space is left-handed.
-pub(super) struct RightHanded {
     /// The right-handed space.
     pub(super) space: Space,
     /// Conversion from the model's space; `None` if the model is right-handed.
@@ -41,28 +31,37 @@ pub(super) struct RightHanded {
     pub(super) rest: Vec<[f64; 3]>,
     /// The joints.
     pub(super) skeleton: Skeleton,
-    /// Poses of the joints at each key.
+    /// Key times of each clip, in seconds.
+    pub(super) times: Vec<Vec<f32>>,
+    /// Maps of the joints at the keys, one clip after another.
     pub(super) poses: Vec<Vec<Matrix3x4>>,
     /// Palette of each key.
     pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
+    /// Influences of the skin's vertices.
+    pub(super) influences: Influences,
     /// Centre of the vertices that each proxy moves.
     pub(super) centres: Vec<[f64; 3]>,
     /// Joint that carries each proxy.
     pub(super) carriers: Vec<usize>,
+    /// Further meshes on the palette.
+    pub(super) further: FurtherMeshes,
 }
 
 impl<'a> Played<'a> {
     /// Predicts every frame of the clips and, with `between`, the keys that the motion between frames needs.
     ///
+    /// - `levels`: further meshes.
+    ///
     /// # Errors
-    /// The model is refused or belongs to another character, a clip cannot be played, a joint is not rigid, or the
-    /// runtime refuses a frame.
+    /// The model is refused or belongs to another character, a clip cannot be played, a joint is not rigid, the runtime
+    /// refuses a frame, the model's space is impossible, or a further mesh does not lie on the model's skin.
     pub(super) fn new(
         model: &'a [u8],
         skin: Option<&str>,
         examples: &Examples,
         clips: &[Clip],
         between: bool,
+        levels: &[Level],
     ) -> Result<Self, Error> {
         let character = Character::open(model, skin, examples)?;
         check_clips(clips)?;
@@ -74,72 +73,72 @@ impl<'a> Played<'a> {
             .par_iter()
             .map(|&frame| Ok(palette(&character.envelope, examples.pose(frame), frame)?.0))
             .collect::<Result<Vec<_>, Error>>()?;
-        let poses = frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect();
-        let influences = influences(&character.skin);
-        let mut played = Self { character, times, poses, palettes, influences };
+        let mut played = Self {
+            character,
+            space: character.space,
+            mirror: None,
+            rest: rest(&character.skin),
+            skeleton: examples.skeleton.clone(),
+            times,
+            poses: frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect(),
+            palettes,
+            influences: influences(&character.skin),
+            centres: Vec::new(),
+            carriers: Vec::new(),
+            further: FurtherMeshes::default(),
+        };
+        let diagonal = examples.diagonal();
         if between {
-            played.fill(examples, clips)?;
+            played.carry(diagonal);
+            played.fill(diagonal, clips)?;
         }
+        let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
+        (played.space, played.mirror) = Conversion::to(character.space, &hand)?;
+        played.further = FurtherMeshes::new(&played, examples, levels)?;
+        if let Some(mirror) = played.mirror {
+            played.turn(&mirror);
+        }
+        played.carry(diagonal);
         Ok(played)
     }
 
+    /// Finds the centre of each proxy, and the joint that carries it.
+    fn carry(&mut self, diagonal: f64) {
+        self.centres = self.proxy_centres();
+        self.carriers =
+            proxies::carriers(&self.palettes, &self.poses, &self.centres, REACH * diagonal);
+    }
+
     /// Adds keys where the motion of helpers is not even between keys.
-    fn fill(&mut self, examples: &Examples, clips: &[Clip]) -> Result<(), Error> {
-        let Character { envelope, skin, .. } = &self.character;
-        let (rest, diagonal) = (rest(skin), examples.diagonal());
-        let centres = centres(envelope, &rest, &self.influences);
-        let carriers = proxies::carriers(&self.palettes, &self.poses, &centres, REACH * diagonal);
-        let mesh = (&rest[..], &self.influences);
-        let proxies = (&centres[..], &carriers[..]);
-        let between = Between::new(&examples.skeleton, proxies, mesh, self.first_proxy(), diagonal);
-        let (mut times, mut poses, mut palettes) = (Vec::new(), Vec::new(), Vec::new());
-        for ((own, clip), keys) in self.times.iter().zip(clips).zip(self.clips()) {
-            let known = self.poses[keys.clone()].iter().zip(&self.palettes[keys]);
-            let key = |(&time, (pose, palette)): (&f32, (&Vec<_>, &Vec<_>))| Key {
-                time,
-                pose: pose.clone(),
-                palette: palette.clone(),
-            };
-            let keys = own.iter().zip(known).map(key).collect();
-            let predict = |pose: &[Matrix3x4]| {
-                palette(envelope, pose, clip.first).map(|(palette, _)| palette)
-            };
-            let keys = between.refine(keys, predict)?;
-            times.push(keys.iter().map(|key| key.time).collect());
-            for key in keys {
-                poses.push(key.pose);
-                palettes.push(key.palette);
+    fn fill(&mut self, diagonal: f64, clips: &[Clip]) -> Result<(), Error> {
+        let between = Between::new(self, diagonal);
+        let (poses, palettes) = (take(&mut self.poses), take(&mut self.palettes));
+        let mut known = poses.into_iter().zip(palettes);
+        for (times, clip) in self.times.iter_mut().zip(clips) {
+            let keys = times.iter().zip(known.by_ref());
+            let keys = keys.map(|(&time, (pose, palette))| Key { time, pose, palette }).collect();
+            let keys = between.refine(keys, clip.first)?;
+            *times = keys.iter().map(|key| key.time).collect();
+            for Key { pose, palette, .. } in keys {
+                self.poses.push(pose);
+                self.palettes.push(palette);
             }
         }
-        (self.times, self.poses, self.palettes) = (times, poses, palettes);
         Ok(())
     }
 
-    /// Converts the clips to a right-handed space.
-    ///
-    /// # Errors
-    /// The model's space is impossible.
-    pub(super) fn right_handed(&self, examples: &Examples) -> Result<RightHanded, Error> {
-        let Character { envelope, skin, space } = &self.character;
-        let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
-        let (space, mirror) = Conversion::to(*space, &hand)?;
-        let (mut rest, mut skeleton) = (rest(skin), examples.skeleton.clone());
-        let (mut poses, mut palettes) = (self.poses.clone(), self.palettes.clone());
-        if let Some(mirror) = &mirror {
-            rest.iter_mut().for_each(|x| *x = mirror.point(*x));
-            let turn = |b: &mut Matrix3x4| *b = mirror.transform(b);
-            skeleton.rest.iter_mut().for_each(turn);
-            poses.iter_mut().flatten().for_each(turn);
-            for b in palettes.iter_mut().flatten() {
-                // Exact: entries only change places and signs.
-                let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
-                *b = turned.map(|row| row.map(|x| x as f32));
-            }
+    /// Mirrors everything but the character.
+    fn turn(&mut self, mirror: &Conversion) {
+        self.rest.iter_mut().for_each(|x| *x = mirror.point(*x));
+        let turn = |b: &mut Matrix3x4| *b = mirror.transform(b);
+        self.skeleton.rest.iter_mut().for_each(turn);
+        self.poses.iter_mut().flatten().for_each(turn);
+        for b in self.palettes.iter_mut().flatten() {
+            // Exact: entries only change places and signs.
+            let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
+            *b = turned.map(|row| row.map(|x| x as f32));
         }
-        let centres = centres(envelope, &rest, &self.influences);
-        let radius = REACH * examples.diagonal();
-        let carriers = proxies::carriers(&palettes, &poses, &centres, radius);
-        Ok(RightHanded { space, mirror, rest, skeleton, poses, palettes, centres, carriers })
+        self.further.convert(mirror);
     }
 
     /// Returns the index of the first proxy in the palette; joints come before it.
@@ -149,33 +148,33 @@ impl<'a> Played<'a> {
     }
 
     /// Lists the keys of each clip, as ranges of all keys.
-    pub(super) fn clips(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+    pub(super) fn clips(&self) -> impl Iterator<Item = Range<usize>> {
         self.times.iter().scan(0, |begin, times| {
             let own = *begin..*begin + times.len();
             *begin = own.end;
             Some(own)
         })
     }
-}
 
-/// Returns the centre of the vertices that each proxy moves, or of the mesh if the proxy moves none.
-fn centres(envelope: &Envelope<'_>, rest: &[[f64; 3]], influences: &Influences) -> Vec<[f64; 3]> {
-    let first = envelope.palette_len() - envelope.proxy_len();
-    let mut sums = vec![[0.0; 4]; envelope.proxy_len()];
-    let mut all = [0.0; 4];
-    for (x, influences) in rest.iter().zip(influences) {
-        let add = |sum: &mut [f64; 4], weight: f64| {
-            for (sum, x) in sum.iter_mut().zip(x.iter().chain([&1.0])) {
-                *sum += weight * x;
+    /// Returns the centre of the vertices that each proxy moves, or of the mesh if the proxy moves none.
+    fn proxy_centres(&self) -> Vec<[f64; 3]> {
+        let first = self.first_proxy();
+        let mut sums = vec![[0.0; 4]; self.character.envelope.proxy_len()];
+        let mut all = [0.0; 4];
+        for (x, influences) in self.rest.iter().zip(&self.influences) {
+            let add = |sum: &mut [f64; 4], weight: f64| {
+                for (sum, x) in sum.iter_mut().zip(x.iter().chain([&1.0])) {
+                    *sum += weight * x;
+                }
+            };
+            for &(index, weight) in influences {
+                if let Some(sum) = index.checked_sub(first).and_then(|proxy| sums.get_mut(proxy)) {
+                    add(sum, weight);
+                }
             }
-        };
-        for &(index, weight) in influences {
-            if let Some(sum) = index.checked_sub(first).and_then(|proxy| sums.get_mut(proxy)) {
-                add(sum, weight);
-            }
+            add(&mut all, 1.0);
         }
-        add(&mut all, 1.0);
+        let mean = |[x, y, z, weight]: [f64; 4]| [x / weight, y / weight, z / weight];
+        sums.into_iter().map(|sum| mean(if sum[3] > 0.0 { sum } else { all })).collect()
     }
-    let mean = |[x, y, z, weight]: [f64; 4]| [x / weight, y / weight, z / weight];
-    sums.into_iter().map(|sum| mean(if sum[3] > 0.0 { sum } else { all })).collect()
 }

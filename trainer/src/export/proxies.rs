@@ -74,16 +74,11 @@ impl ProxyNodes {
         joints: &[Vec<Isometry3<f64>>],
     ) -> Vec<Track> {
         let len = self.chains.len();
-        let tracks: Vec<Vec<Track>> = self
-            .chains
-            .par_iter()
-            .enumerate()
-            .map(|(proxy, chain)| {
-                let maps = palettes.iter().map(|palette| &palette[palette.len() - len + proxy]);
-                chain.tracks(maps.zip(joints.iter().map(|joints| &joints[chain.joint])))
-            })
-            .collect();
-        tracks.into_iter().flatten().collect()
+        let tracks = self.chains.par_iter().enumerate().flat_map_iter(|(proxy, chain)| {
+            let maps = palettes.iter().map(|palette| &palette[palette.len() - len + proxy]);
+            chain.tracks(maps.zip(joints.iter().map(|joints| &joints[chain.joint])))
+        });
+        tracks.collect()
     }
 }
 
@@ -117,7 +112,7 @@ impl Chain {
     fn tracks<'a>(
         &self,
         keys: impl Iterator<Item = (&'a Matrix3x4, &'a Isometry3<f64>)>,
-    ) -> Vec<Track> {
+    ) -> [Track; 4] {
         let centre = Vector3::from(self.centre.map(f64::from));
         let (mut places, mut turns, mut scales, mut axes) = (vec![], vec![], vec![], vec![]);
         let mut before: Option<Stretch> = None;
@@ -135,7 +130,7 @@ impl Chain {
             axes.push(quaternion(&turned(&stretch.axes.transpose())));
         }
         let linear = |node, keys| Track { node, keys, holds: false };
-        vec![
+        [
             linear(self.outer, ChannelKeys::Translation(places)),
             linear(self.outer, ChannelKeys::Rotation(continuous(turns))),
             linear(self.outer, ChannelKeys::Scale(scales)),

@@ -1,7 +1,7 @@
 //! Whole scenes: a character that plays a model, with skeleton, proxies, meshes and an animation for each clip; and the
 //! demo character as an artist would deliver it.
 
-use super::mesh::{FurtherMeshes, SkinnedMesh, parts};
+use super::mesh::{SkinnedMesh, parts};
 use super::played::Played;
 use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, key_times, quaternion, turned};
@@ -75,26 +75,22 @@ impl Export<'_> {
     /// - [`ErrorKind::Limit`](crate::ErrorKind::Limit): the file would be too large.
     pub fn run(&self) -> Result<Exported, Error> {
         let Self { model, skin, examples, clips, between, levels, appearance, stand } = *self;
-        let played = Played::new(model, skin, examples, clips, between)?;
-        let right = played.right_handed(examples)?;
+        let played = Played::new(model, skin, examples, clips, between, levels)?;
         let skin = &played.character.skin;
-        let mut further = FurtherMeshes::new(&played, examples, levels)?;
-
         let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
         let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
         let own = examples.surface();
         let mut triangles = own.engine_triangles().to_vec();
-        if let Some(mirror) = &right.mirror {
+        if let Some(mirror) = &played.mirror {
             normals_at_rest.iter_mut().for_each(|n| *n = mirror.direction(*n));
             mirror.triangles(&mut triangles);
-            further.convert(mirror);
         }
 
         let mut document = Document::new(NOTE);
-        let armature = document.node("armature".to_owned(), None, &armature(&right.space, stand)?);
-        let joints = JointNodes::new(&mut document, armature, &right.skeleton);
+        let armature = document.node("armature".to_owned(), None, &armature(&played.space, stand)?);
+        let joints = JointNodes::new(&mut document, armature, &played.skeleton);
         let proxies =
-            ProxyNodes::new(&mut document, &joints.carriers(), &right.centres, &right.carriers);
+            ProxyNodes::new(&mut document, &joints.carriers(), &played.centres, &played.carriers);
         let first_proxy = played.first_proxy();
         let nodes: Vec<_> =
             joints.nodes[..first_proxy].iter().copied().chain(proxies.joints()).collect();
@@ -103,7 +99,7 @@ impl Export<'_> {
         document.dress(appearance, own.uv().is_some());
         let mesh = SkinnedMesh {
             name: appearance.mesh.as_deref().unwrap_or(skin.name()),
-            positions: &right.rest,
+            positions: &played.rest,
             normals: &normals_at_rest,
             uv: own.uv(),
             influences: &played.influences,
@@ -111,18 +107,17 @@ impl Export<'_> {
         };
         let materials = &appearance.of_triangles;
         let ranges = examples.ranges.iter();
-        let ranges: Vec<_> =
-            ranges.map(|(name, range)| (name.clone(), own.engine_range(range))).collect();
-        for part in parts(mesh.name, &ranges, right.rest.len(), &triangles, materials) {
+        let ranges = ranges.map(|(name, range)| (name.as_str(), own.engine_range(range)));
+        for part in parts(&mesh, ranges, &triangles, materials) {
             document.mesh(&part.of(&mesh), palette_skin);
         }
-        further.add(&mut document, palette_skin);
+        played.further.add(&mut document, palette_skin);
         for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
-            let (mut tracks, worlds) = joints.tracks(&right.poses[own.clone()], times);
-            tracks.extend(proxies.tracks(&right.palettes[own], &worlds));
+            let (mut tracks, worlds) = joints.tracks(&played.poses[own.clone()], times);
+            tracks.extend(proxies.tracks(&played.palettes[own], &worlds));
             document.animation(&clip.name, times, tracks);
         }
-        Ok(Exported { glb: document.finish()?, levels: further.reports })
+        Ok(Exported { glb: document.finish()?, levels: played.further.reports })
     }
 }
 
@@ -143,8 +138,8 @@ fn armature(model: &Space, stand: Stand) -> Result<Placed, Error> {
         Stand::In(request) => Conversion::to(*model, &request)?.1,
     };
     Ok(conversion.map_or(Placed::AT_PARENT, |conversion| Placed {
-        rotation: quaternion(&turned(&conversion.axes())),
-        scale: [conversion.scale() as f32; 3],
+        rotation: quaternion(&turned(&conversion.axes)),
+        scale: [conversion.scale as f32; 3],
         ..Placed::AT_PARENT
     }))
 }
@@ -154,7 +149,7 @@ const DEMO_NOTE: &str = "A procedural arm: what a rig exports of its skeleton, w
     linear blend skinning. The meshes that its flesh really takes are in the point cache beside it.";
 
 /// Sorts frames by use, so that each use is one clip: training, held-out and extreme frames.
-pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
+pub fn by_use(examples: Examples) -> (Examples, Vec<Clip>) {
     let (mut frames, mut clips) = (Vec::new(), Vec::new());
     for split in [Split::Train, Split::HeldOut, Split::Extreme] {
         let (name, own) = (split.name(), examples.frames_of(split));
@@ -168,8 +163,7 @@ pub fn by_use(mut examples: Examples) -> (Examples, Vec<Clip>) {
     let transforms = frames.iter().flat_map(|&frame| examples.pose(frame)).copied().collect();
     let split = frames.iter().map(|&frame| examples.split[frame]).collect();
     let clip_starts = clips.iter().map(|clip| clip.first).collect();
-    examples = Examples { vertices, transforms, split, clip_starts, ..examples };
-    (examples, clips)
+    (Examples { vertices, transforms, split, clip_starts, ..examples }, clips)
 }
 
 /// Writes examples as a rigged character: the skeleton, the rest mesh with four LBS weights a vertex, fitted to the

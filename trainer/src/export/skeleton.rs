@@ -34,19 +34,22 @@ pub(super) struct Carrier {
 impl JointNodes {
     /// Adds the joints under a node whose space is the model's.
     pub(super) fn new(document: &mut Document, under: NodeIndex, skeleton: &Skeleton) -> Self {
-        let rest: Vec<_> = skeleton.rest.iter().map(|frame| isometry(&square(frame))).collect();
+        let inverse =
+            |rest: &Matrix3x4| rounded(&isometry(&square(rest)).inverse().to_homogeneous());
         let parents = skeleton.own_parents();
         let mut joints = Self {
             nodes: Vec::new(),
-            inverse_binds: rest.iter().map(|frame| rounded(&frame.inverse())).collect(),
+            inverse_binds: skeleton.rest.iter().map(inverse).collect(),
             binds: Vec::new(),
             order: parents_first(&parents),
             parents,
         };
-        // The nodes compensate for the rounding of the inverse bind matrices.
-        joints.binds = joints.inverse_binds.iter().zip(&rest).map(bind).collect();
+        // The nodes compensate for the rounding of the inverse bind matrices. A rotation with rounded entries still has
+        // an inverse.
+        let bind = |rounded| wide(rounded).try_inverse().unwrap_or_else(Matrix4::identity);
+        joints.binds = joints.inverse_binds.iter().map(bind).collect();
         let (at_rest, _) = joints.place(&joints.binds);
-        let mut nodes = vec![under; rest.len()];
+        let mut nodes = vec![under; joints.order.len()];
         for &joint in &joints.order {
             let parent = joints.parents[joint].map_or(under, |parent| nodes[parent]);
             let name = skeleton.names[joint].clone();
@@ -75,13 +78,8 @@ impl JointNodes {
             self.place(&worlds.collect::<Vec<_>>())
         });
         let (keys, reached): (Vec<Vec<Placed>>, Vec<_>) = keys.unzip();
-        let track = |(joint, &node): (usize, &NodeIndex)| {
-            let translations = keys.iter().map(|pose| pose[joint].translation).collect();
-            let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
-            [ChannelKeys::Translation(translations), ChannelKeys::Rotation(continuous(rotations))]
-                .map(|keys| track(node, keys, times))
-        };
-        (self.nodes.iter().enumerate().flat_map(track).collect(), reached)
+        let scales = vec![[1.0; 3]; self.nodes.len()];
+        (joint_tracks(&self.nodes, &scales, &keys, times), reached)
     }
 
     /// Places each joint relative to its parent's rounded frame, so that rounding does not accumulate along a chain.
@@ -144,14 +142,19 @@ pub(super) fn isometry(map: &Matrix4<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(moved, turned(&rotation))
 }
 
-fn bind((rounded, exact): (&[[f32; 4]; 3], &Isometry3<f64>)) -> Matrix4<f64> {
-    // A rotation with rounded entries still has an inverse.
-    square(&rounded.map(|row| row.map(f64::from))).try_inverse().unwrap_or(exact.to_homogeneous())
+/// Returns the rows of an affine map.
+pub(super) fn rows(map: &Matrix4<f64>) -> Matrix3x4 {
+    [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| map[(row, column)]))
 }
 
-fn rounded(map: &Isometry3<f64>) -> [[f32; 4]; 3] {
-    let map = map.to_homogeneous();
-    [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| map[(row, column)] as f32))
+/// Returns the rows of an affine map in single precision.
+pub(super) fn rounded(map: &Matrix4<f64>) -> [[f32; 4]; 3] {
+    rows(map).map(|row| row.map(|x| x as f32))
+}
+
+/// Widens rows in single precision to an affine map.
+pub(super) fn wide(rows: &[[f32; 4]; 3]) -> Matrix4<f64> {
+    square(&rows.map(|row| row.map(f64::from)))
 }
 
 pub(super) fn square([x, y, z]: &Matrix3x4) -> Matrix4<f64> {
@@ -200,8 +203,30 @@ fn no_frames(why: impl Display) -> Error {
     Error::missing(format!("there is no frame to export: {why}"))
 }
 
+/// Makes the tracks of joints from their placements at each key. A scale has a track only if a key changes the scale
+/// without animation, one of `scales`.
+pub(super) fn joint_tracks(
+    nodes: &[NodeIndex],
+    scales: &[[f32; 3]],
+    keys: &[Vec<Placed>],
+    times: &[f32],
+) -> Vec<Track> {
+    let mut tracks = Vec::new();
+    for (joint, (&node, still)) in nodes.iter().zip(scales).enumerate() {
+        let translations = keys.iter().map(|pose| pose[joint].translation).collect();
+        let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
+        tracks.push(track(node, ChannelKeys::Translation(translations), times));
+        tracks.push(track(node, ChannelKeys::Rotation(continuous(rotations)), times));
+        if keys.iter().any(|pose| pose[joint].scale != *still) {
+            let scales = keys.iter().map(|pose| pose[joint].scale).collect();
+            tracks.push(track(node, ChannelKeys::Scale(scales), times));
+        }
+    }
+    tracks
+}
+
 /// Makes the track of a joint. If the clip jumps, and the values are constant except at the jumps, the track has steps.
-pub(super) fn track(node: NodeIndex, keys: ChannelKeys, times: &[f32]) -> Track {
+fn track(node: NodeIndex, keys: ChannelKeys, times: &[f32]) -> Track {
     let holds = match &keys {
         ChannelKeys::Translation(keys) | ChannelKeys::Scale(keys) => hold(keys, times),
         ChannelKeys::Rotation(keys) => hold(keys, times),

@@ -2,12 +2,15 @@
 
 use super::basis::diagonal;
 use crate::Error;
-use sinew_runtime::prior::{Anchor, Edit, Pin, PinJob, Pins, Prior, Temporal};
+use sinew_runtime::prior::{Edit, Pin, PinJob, Pins, Prior};
 use sinew_runtime::skin::{Output, ShapesJob, cells};
 use sinew_runtime::{CallError, Model, Skin};
 
 /// Most pins in one command.
 pub const PINS_MAX: usize = 256;
+
+/// No pins: a solve sets its own.
+static NO_PINS: Pins<0> = Pins::new();
 
 /// A loaded face with V vertices and S shapes.
 #[derive(Clone, Copy)]
@@ -24,23 +27,6 @@ pub struct Shaped {
     pub positions: Vec<[f64; 3]>,
     /// Normals of length 1 or 0, V.
     pub normals: Vec<[f64; 3]>,
-}
-
-/// Options of a solve, beside its pins.
-#[derive(Clone, Copy, Debug)]
-pub struct SolveOptions<'a> {
-    /// Reference weights; the solve changes them as little as the pins allow.
-    pub anchor: Anchor,
-    /// β, the square of the pins' tolerance (a length).
-    pub beta: f32,
-    /// Whether weights stay between the prior's bounds.
-    pub is_bounded: bool,
-    /// Penalty on the change since the previous frame.
-    pub temporal: Option<Temporal<'a>>,
-    /// Weight of the prior's symmetry penalty.
-    pub symmetry: f32,
-    /// Whether the smaller weight of each cancelling pair stays at 0.
-    pub cancels: bool,
 }
 
 impl<'a> BakedFace<'a> {
@@ -108,8 +94,14 @@ impl<'a> BakedFace<'a> {
         Ok(Shaped { positions: wide(positions), normals: wide(normals) })
     }
 
+    /// Returns the options of an artist's edit at rest, without pins: from the current weights, between the bounds.
+    pub fn edit(&self) -> PinJob<'a> {
+        PinJob::new(self.prior, self.skin, NO_PINS.list())
+    }
+
     /// Solves for the weights that satisfy pins.
     ///
+    /// - `options`: those of [`Self::edit`], or others; their pins are not used.
     /// - `scratch`: reused between calls; solves with the same pins are then fast.
     /// - `weights`: S, changed in place.
     ///
@@ -118,7 +110,7 @@ impl<'a> BakedFace<'a> {
     pub fn solve(
         &self,
         pins: &[Pin],
-        options: &SolveOptions<'_>,
+        options: &PinJob<'_>,
         scratch: &mut Vec<f64>,
         weights: &mut [f32],
     ) -> Result<Edit, CallError> {
@@ -126,10 +118,7 @@ impl<'a> BakedFace<'a> {
         pins.iter().try_for_each(|pin| list.add(*pin))?;
         let len = self.prior.counts().pin_scratch_len(list.list().scalar_len());
         scratch.resize(scratch.len().max(len), 0.0);
-        let SolveOptions { anchor, beta, is_bounded, temporal, symmetry, cancels } = *options;
-        let job = PinJob::new(self.prior, self.skin, list.list());
-        PinJob { anchor, beta, is_bounded, temporal, symmetry, cancels, ..job }
-            .run(scratch, weights)
+        PinJob { pins: list.list(), ..*options }.run(scratch, weights)
     }
 }
 
@@ -137,18 +126,4 @@ impl<'a> BakedFace<'a> {
 pub fn moved(rest: [f64; 3], deltas: &[[f64; 3]], weights: &[f64]) -> [f64; 3] {
     [0, 1, 2]
         .map(|axis| rest[axis] + deltas.iter().zip(weights).map(|(u, z)| z * u[axis]).sum::<f64>())
-}
-
-impl SolveOptions<'_> {
-    /// Returns the options for an artist's edit: from the current weights, between the bounds.
-    pub fn edit(prior: &Prior<'_>) -> Self {
-        Self {
-            anchor: Anchor::Current,
-            beta: prior.fit().beta,
-            is_bounded: true,
-            temporal: None,
-            symmetry: 0.0,
-            cancels: false,
-        }
-    }
 }

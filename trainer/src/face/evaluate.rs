@@ -1,14 +1,14 @@
 //! Measures the accuracy with a few handles, by the protocol of `sinew face eval` in FACE.md; and distances between
 //! faces.
 
-use super::baked::{BakedFace, SolveOptions, moved};
+use super::baked::{BakedFace, moved};
 use crate::Error;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde::Serialize;
-use sinew_runtime::prior::{Anchor, Pin};
+use sinew_runtime::prior::{Anchor, Pin, PinJob};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -57,7 +57,7 @@ pub struct Row {
 }
 
 /// Further figures of a method, averaged over draws.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Figures {
     /// β.
     pub beta: f64,
@@ -96,11 +96,10 @@ pub struct Evaluation {
 
 /// A method that turns pins into weights.
 #[derive(Clone, Copy)]
-struct Method<'a> {
-    name: &'static str,
-    face: BakedFace<'a>,
-    anchor: Anchor,
-    is_bounded: bool,
+pub(super) struct Method<'a> {
+    pub(super) face: BakedFace<'a>,
+    pub(super) anchor: Anchor,
+    pub(super) is_bounded: bool,
 }
 
 impl Protocol<'_> {
@@ -111,50 +110,46 @@ impl Protocol<'_> {
     /// runtime.
     pub fn run(&self, handles: &[usize]) -> Result<Evaluation, Error> {
         let gram = Gram::new(&self.face, self.vertices.clone());
-        let owned =
-            |frames: &[&[f64]]| frames.iter().map(|frame| frame.to_vec()).collect::<Vec<_>>();
-        let frames = owned(&self.frames);
         let mut rows = BTreeMap::new();
         for &count in handles {
             let len = self.landmarks.len();
             if count == 0 || count > len {
                 return Err(wrong_handles(count, len));
             }
-            rows.insert(count, self.row(count, &gram, &frames)?);
+            rows.insert(count, self.row(count, &gram)?);
         }
         Ok(Evaluation {
-            frames: frames.len(),
+            frames: self.frames.len(),
             lost_frames: self.lost_frames,
             chosen_on: self.chosen_on.len(),
             vertices: [self.vertices.start, self.vertices.end],
             landmarks: self.landmarks.len(),
             draws: DRAWS,
             seed: SEED,
-            take_cardinality: cardinality(&frames),
-            take_roughness: roughness(&frames),
+            take_cardinality: cardinality(&self.frames),
+            take_roughness: roughness(&self.frames),
             handles: rows,
         })
     }
 
-    fn row(&self, count: usize, gram: &Gram, frames: &[Vec<f64>]) -> Result<Row, Error> {
+    fn row(&self, count: usize, gram: &Gram) -> Result<Row, Error> {
         let handles: Vec<Vec<usize>> = (0..DRAWS).map(|draw| self.draw(count, draw)).collect();
-        let chosen_on: Vec<Vec<f64>> = self.chosen_on.iter().map(|frame| frame.to_vec()).collect();
-        let methods = [
-            ("slider", self.slider, Anchor::Current, false),
-            ("slider_mean", self.slider_mean, Anchor::Mean, false),
-            ("prior", self.face, Anchor::Mean, false),
-        ];
+        let frames = &self.frames;
         let mut row = Row {
             nothing: rms(gram, &vec![vec![0.0; frames[0].len()]; frames.len()], frames),
             ..Row::default()
         };
-        for (name, face, anchor, is_bounded) in methods {
-            let method = Method { name, face, anchor, is_bounded };
-            let beta = self.best_beta(&method, &handles, gram, &chosen_on)?;
-            row.add(&method, beta, method.measure(&handles, beta, gram, frames)?);
+        for (name, face, anchor) in [
+            ("slider", self.slider, Anchor::Current),
+            ("slider_mean", self.slider_mean, Anchor::Mean),
+            ("prior", self.face, Anchor::Mean),
+        ] {
+            let method = Method { face, anchor, is_bounded: false };
+            let beta = self.best_beta(&method, &handles, gram)?;
+            row.add(name, method.measure(&handles, beta, gram, frames)?);
             if name == "prior" {
-                let method = Method { name: "bounded", is_bounded: true, ..method };
-                row.add(&method, beta, method.measure(&handles, beta, gram, frames)?);
+                let method = Method { is_bounded: true, ..method };
+                row.add("bounded", method.measure(&handles, beta, gram, frames)?);
             }
         }
         Ok(row)
@@ -168,22 +163,21 @@ impl Protocol<'_> {
         (0..count).map(|_| left.swap_remove(random.random_range(0..left.len()))).collect()
     }
 
-    /// Chooses the β with the smallest error on the given frames.
+    /// Chooses the β with the smallest error on the frames for this choice.
     fn best_beta(
         &self,
         method: &Method<'_>,
         handles: &[Vec<usize>],
         gram: &Gram,
-        frames: &[Vec<f64>],
     ) -> Result<f32, Error> {
         let mut best = (f64::INFINITY, self.face.prior.fit().beta);
-        if frames.is_empty() {
+        if self.chosen_on.is_empty() {
             return Ok(best.1);
         }
         let diagonal = self.face.diagonal();
         for tolerance in TOLERANCES {
             let beta = (tolerance * diagonal).powi(2) as f32;
-            let (error, _) = method.measure(handles, beta, gram, frames)?;
+            let (error, _) = method.measure(handles, beta, gram, &self.chosen_on)?;
             if error < best.0 {
                 best = (error, beta);
             }
@@ -193,14 +187,14 @@ impl Protocol<'_> {
 }
 
 impl Row {
-    fn add(&mut self, method: &Method<'_>, beta: f32, (error, figures): (f64, Figures)) {
-        match method.name {
+    fn add(&mut self, name: &'static str, (error, figures): (f64, Figures)) {
+        match name {
             "slider" => self.slider = error,
             "slider_mean" => self.slider_mean = error,
             "prior" => self.prior = error,
             _ => self.bounded = error,
         }
-        self.methods.insert(method.name, Figures { beta: beta.into(), ..figures });
+        self.methods.insert(name, figures);
     }
 }
 
@@ -211,47 +205,36 @@ impl Method<'_> {
         handles: &[Vec<usize>],
         beta: f32,
         gram: &Gram,
-        frames: &[Vec<f64>],
+        frames: &[&[f64]],
     ) -> Result<(f64, Figures), Error> {
         let draws = handles.par_iter().map(|handles| {
             let solved = self.solve(handles, beta, frames)?;
             let outside = |weight: &&f64| !(0.0..=1.0).contains(*weight);
+            let outside = solved.iter().flatten().filter(outside).count() as f64;
             let len = solved.len() * self.face.skin.shape_len();
-            let figures = Figures {
-                beta: 0.0,
-                cardinality: cardinality(&solved),
-                roughness: roughness(&solved),
-                outside: solved.iter().flatten().filter(outside).count() as f64 / len.max(1) as f64,
-            };
-            Ok((rms(gram, &solved, frames), figures))
+            let (error, outside) = (rms(gram, &solved, frames), outside / len.max(1) as f64);
+            Ok([error, cardinality(&solved), roughness(&solved), outside])
         });
-        let draws: Vec<(f64, Figures)> = draws.collect::<Result<_, Error>>()?;
-        let mean = |of: &dyn Fn(&(f64, Figures)) -> f64| {
-            draws.iter().map(of).sum::<f64>() / draws.len().max(1) as f64
-        };
-        let figures = Figures {
-            beta: 0.0,
-            cardinality: mean(&|draw| draw.1.cardinality),
-            roughness: mean(&|draw| draw.1.roughness),
-            outside: mean(&|draw| draw.1.outside),
-        };
-        Ok((mean(&|draw| draw.0), figures))
+        let draws: Vec<[f64; 4]> = draws.collect::<Result<_, Error>>()?;
+        let mean =
+            |of: usize| draws.iter().map(|draw| draw[of]).sum::<f64>() / draws.len().max(1) as f64;
+        let [error, cardinality, roughness, outside] = [0, 1, 2, 3].map(mean);
+        Ok((error, Figures { beta: beta.into(), cardinality, roughness, outside }))
     }
 
     /// Solves each frame from the neutral face, with handles at their true positions.
-    fn solve(
+    pub(super) fn solve(
         &self,
         handles: &[usize],
         beta: f32,
-        frames: &[Vec<f64>],
+        frames: &[&[f64]],
     ) -> Result<Vec<Vec<f64>>, Error> {
         let Self { anchor, is_bounded, .. } = *self;
-        let options =
-            SolveOptions { anchor, beta, is_bounded, ..SolveOptions::edit(&self.face.prior) };
+        let options = PinJob { anchor, beta, is_bounded, ..self.face.edit() };
         let of_handles: Vec<_> =
             handles.iter().map(|&vertex| (vertex, self.face.vertex(vertex))).collect();
         let mut scratch = Vec::new();
-        let solve = |frame: &Vec<f64>| {
+        let solve = |frame: &&[f64]| {
             let pin = |(vertex, (rest, deltas)): &(usize, ([f64; 3], Vec<[f64; 3]>))| {
                 Pin::new(*vertex as u32, moved(*rest, deltas, frame).map(|x| x as f32))
             };
@@ -270,7 +253,7 @@ pub(super) fn wrong_handles(found: usize, len: usize) -> Error {
 }
 
 /// Computes the RMS distance over vertices and frames.
-fn rms(gram: &Gram, found: &[Vec<f64>], truth: &[Vec<f64>]) -> f64 {
+fn rms(gram: &Gram, found: &[Vec<f64>], truth: &[&[f64]]) -> f64 {
     let squares = found.iter().zip(truth).map(|(a, b)| gram.mean_square(a, b));
     (squares.sum::<f64>() / truth.len().max(1) as f64).sqrt()
 }
@@ -306,18 +289,20 @@ impl Gram {
 }
 
 /// Counts the weights above 0.01, averaged over frames.
-pub fn cardinality(frames: &[Vec<f64>]) -> f64 {
+pub fn cardinality(frames: &[impl AsRef<[f64]>]) -> f64 {
     const AT_WORK: f64 = 0.01;
-    let count = frames.iter().flatten().filter(|weight| weight.abs() > AT_WORK).count();
+    let weights = frames.iter().flat_map(|frame| frame.as_ref());
+    let count = weights.filter(|weight| weight.abs() > AT_WORK).count();
     count as f64 / frames.len().max(1) as f64
 }
 
 /// Computes the RMS second difference in time over weights and frames; 0 for fewer than three frames.
-pub fn roughness(frames: &[Vec<f64>]) -> f64 {
+pub fn roughness(frames: &[impl AsRef<[f64]>]) -> f64 {
     let mut sum = 0.0;
     let mut len = 0;
     for three in frames.windows(3) {
-        for ((a, b), c) in three[0].iter().zip(&three[1]).zip(&three[2]) {
+        let [first, second, third] = [0, 1, 2].map(|at| three[at].as_ref());
+        for ((a, b), c) in first.iter().zip(second).zip(third) {
             sum += (a - 2.0 * b + c).powi(2);
             len += 1;
         }

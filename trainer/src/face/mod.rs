@@ -27,5 +27,3 @@ pub mod take;
 mod tests;
 pub mod track;
 pub mod train;
-
-pub use names::listed;

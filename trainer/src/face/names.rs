@@ -155,16 +155,6 @@ pub(super) fn is_count(name: &str) -> bool {
     Expression::without_prefix(name).stem == COUNT
 }
 
-/// Finds the shapes that columns drive, as [`Columns::of`], and checks them, as [`Columns::check`].
-///
-/// # Errors
-/// Those of [`Columns::check`].
-pub fn columns(names: &[String], shapes: &[String]) -> Result<Columns, Error> {
-    let columns = Columns::of(names, shapes);
-    columns.check(shapes)?;
-    Ok(columns)
-}
-
 impl Columns {
     /// Finds the shapes that columns drive. The first rule that matches applies: equal name; equal expression and side;
     /// equal expression, if the column has no side (`BrowInnerUp` drives both sides). Names are compared with their
@@ -258,6 +248,11 @@ mod tests {
 
     fn owned(names: &[&str]) -> Vec<String> {
         names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    fn columns(names: &[String], shapes: &[String]) -> Result<Columns, Error> {
+        let columns = Columns::of(names, shapes);
+        columns.check(shapes).map(|()| columns)
     }
 
     #[test]

@@ -83,7 +83,7 @@ impl<'a> Photographer<'a> {
         let picture = mesh.draw(&colours, Look { relief, borders: false }, &self.camera);
         let size = picture.size;
         let mut drawing = Drawing::new(size.width, size.height);
-        drawing.image([0.0, 0.0], over_white(picture));
+        drawing.image([0.0, 0.0], picture.on_white());
         let [radius, line] = SIZES.map(|(least, share)| least + share * size.width as f64);
         for pin in pins {
             let [from, to] = [pin.0, pin.1].map(|place| {
@@ -100,15 +100,3 @@ impl<'a> Photographer<'a> {
 
 /// Azimuth in degrees: slightly from the side, to show depth.
 const AZIMUTH: f64 = 20.0;
-
-/// Composites a picture over white.
-fn over_white(mut picture: Picture) -> Picture {
-    for pixel in picture.rgba.as_chunks_mut::<4>().0 {
-        let share = f64::from(pixel[3]) / 255.0;
-        for part in &mut pixel[..3] {
-            *part = (f64::from(*part) * share + 255.0 * (1.0 - share)).round() as u8;
-        }
-        pixel[3] = 255;
-    }
-    picture
-}

@@ -50,13 +50,12 @@ pub fn learned(
     let centred = Mat::from_fn(frames.len(), s, |i, j| frames[i][j] - model.mean[j]);
     let covariance = centred.transpose() * &centred * faer::Scale(1.0 / n);
     let mean_variance = (0..s).map(|i| covariance[(i, i)]).sum::<f64>() / s.max(1) as f64;
-    let is_moving = is_moving(frames);
-    if is_moving {
-        let floor = Mat::from_fn(s, s, |i, j| if i == j { FLOOR * mean_variance } else { 0.0 });
-        model.covariance = covariance + floor;
+    let mut floor = 1.0;
+    if is_moving(frames) {
+        floor = FLOOR * mean_variance;
+        model.covariance = covariance + Mat::from_fn(s, s, |i, j| if i == j { floor } else { 0.0 });
     }
     // The stiffness depends on the mean square difference of mirrored weights, plus the floor.
-    let floor = if is_moving { FLOOR * mean_variance } else { 1.0 };
     let apart = |[a, b]: [usize; 2]| {
         frames.iter().map(|frame| (frame[a] - frame[b]).powi(2)).sum::<f64>() / n
     };
@@ -82,13 +81,8 @@ pub fn slider(bounds: Vec<[f64; 2]>, tolerance: f64) -> PriorModel {
         bounds,
         symmetry: Vec::new(),
         cancel: Vec::new(),
-        fit: PriorFit { beta: beta(tolerance) as f32, ..PriorFit::default() },
+        fit: PriorFit { beta: (tolerance * tolerance) as f32, ..PriorFit::default() },
     }
-}
-
-/// Returns β for a tolerance of pins. If pins miss by a normal distribution, the tolerance is its standard deviation.
-pub fn beta(tolerance: f64) -> f64 {
-    tolerance * tolerance
 }
 
 /// Finds left and right pairs by name, and classifies them by their deltas.

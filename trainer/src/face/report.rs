@@ -1,13 +1,13 @@
 //! An HTML page that shows the prior's effect: a face by a few handles, with and without the prior, and a drag.
 
-use super::baked::{BakedFace, Shaped, SolveOptions};
-use super::evaluate::{Evaluation, Gram, Protocol, Row, wrong_handles};
+use super::baked::Shaped;
+use super::evaluate::{Evaluation, Gram, Method, Protocol, Row, wrong_handles};
 use super::picture::{Paint, Photographer};
 use crate::Error;
 use crate::page::chart::colour_bar;
 use crate::page::colour::Scale;
 use crate::page::html::{self, figure, paragraph, section, side_by_side, table, text};
-use sinew_runtime::prior::{Anchor, Pin};
+use sinew_runtime::prior::{Anchor, Pin, PinJob};
 
 /// Pictures of the drag.
 const STEPS: usize = 6;
@@ -58,10 +58,12 @@ impl Report<'_> {
             row.prior,
             row.slider,
         );
+        let gram = Gram::new(&self.protocol.face, self.protocol.vertices.clone());
+        let strongest = self.strongest(&gram);
         let sections = [
             section("By the number of handles", &self.figures()),
-            section("Side by side", &self.frames(handles, row)?),
-            section("A drag", &self.drag(row)?),
+            section("Side by side", &self.frames(handles, row, &strongest, &gram)?),
+            section("A drag", &self.drag(row, &strongest)?),
         ];
         Ok(html::page(&format!("{name} by a few handles"), &(head + &sections.concat())))
     }
@@ -87,27 +89,31 @@ impl Report<'_> {
     }
 
     /// Shows the most expressive frames: the take, the slider norm and the prior.
-    fn frames(&self, handles: usize, row: &Row) -> Result<String, Error> {
+    fn frames(
+        &self,
+        handles: usize,
+        row: &Row,
+        strongest: &[&[f64]],
+        gram: &Gram,
+    ) -> Result<String, Error> {
         let pinned = self.protocol.draw(handles, 0);
-        let gram = Gram::new(&self.protocol.face, self.protocol.vertices.clone());
         let mut out = paragraph(&format!(
             "Expressions of the take that move the most. Red dots are the {handles} handles, white rings their \
              targets. Colours are distances: first the motion of the take, then the errors of the other two on one scale."
         ));
-        for frame in self.strongest(&gram) {
-            let truth = narrow(frame);
-            let shaped = self.protocol.face.shaped(&truth)?;
-            let slider = self.solve(
-                &self.protocol.slider,
-                Anchor::Current,
-                row,
-                "slider",
-                &pinned,
-                frame,
-                &gram,
-            )?;
-            let prior =
-                self.solve(&self.protocol.face, Anchor::Mean, row, "prior", &pinned, frame, &gram)?;
+        let Protocol { face, slider, .. } = *self.protocol;
+        for frame in strongest {
+            let shaped = face.shaped(&narrow(frame))?;
+            let solve = |name: &str, face, anchor| {
+                let method = Method { face, anchor, is_bounded: false };
+                let weights = method.solve(&pinned, beta(row, name), &[*frame])?.concat();
+                let own = self.protocol.face.shaped(&narrow(&weights))?;
+                let pins = pinned.iter().map(|&v| (own.positions[v], face.place(v, frame)));
+                let (pins, rms) = (pins.collect(), gram.mean_square(&weights, frame).sqrt());
+                Ok::<_, Error>(Solved::new(own, &shaped, pins, rms))
+            };
+            let slider = solve("slider", slider, Anchor::Current)?;
+            let prior = solve("prior", face, Anchor::Mean)?;
             let measured = self.protocol.vertices.clone();
             let scale =
                 Scale::of(slider.errors[measured.clone()].iter().chain(&prior.errors[measured]));
@@ -133,7 +139,7 @@ impl Report<'_> {
                 let picture = self.photographer.take(&solved.shaped, &paint, &[]);
                 figure(&picture, caption, "", &(colour_bar(&scale, "") + "error"))
             };
-            let neutral = self.protocol.face.shaped(&vec![0.0; truth.len()])?;
+            let neutral = face.shaped(&vec![0.0; frame.len()])?;
             let nothing = Solved::new(neutral, &shaped, Vec::new(), 0.0);
             let moved = Scale::of(&nothing.errors[self.protocol.vertices.clone()]);
             let picture =
@@ -146,12 +152,9 @@ impl Report<'_> {
     }
 
     /// Shows one landmark dragged from the neutral face to its place in an expression.
-    fn drag(&self, row: &Row) -> Result<String, Error> {
+    fn drag(&self, row: &Row, strongest: &[&[f64]]) -> Result<String, Error> {
         let face = &self.protocol.face;
-        let gram = Gram::new(face, self.protocol.vertices.clone());
-        let Some(frame) = self.strongest(&gram).into_iter().next() else {
-            return Ok(String::new());
-        };
+        let Some(&frame) = strongest.first() else { return Ok(String::new()) };
         let rest = vec![0.0; frame.len()];
         let path = |vertex: usize| {
             let (from, to) = (face.place(vertex, &rest), face.place(vertex, frame));
@@ -172,9 +175,8 @@ impl Report<'_> {
             for step in 0..STEPS {
                 let share = step as f64 / (STEPS - 1) as f64;
                 let target = [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]));
-                let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
                 weights.fill(0.0);
-                let options = SolveOptions { beta, ..SolveOptions::edit(&solver.prior) };
+                let options = PinJob { beta: beta(row, method), ..solver.edit() };
                 let pin = Pin::new(vertex as u32, target.map(|x| x as f32));
                 solver.solve(&[pin], &options, &mut scratch, &mut weights)?;
                 let shaped = face.shaped(&weights)?;
@@ -203,36 +205,6 @@ impl Report<'_> {
         }
         out
     }
-
-    #[expect(clippy::too_many_arguments, reason = "inputs of a solve and of its error")]
-    fn solve(
-        &self,
-        solver: &BakedFace<'_>,
-        anchor: Anchor,
-        row: &Row,
-        method: &str,
-        pinned: &[usize],
-        frame: &[f64],
-        gram: &Gram,
-    ) -> Result<Solved, Error> {
-        let beta = row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32;
-        let options =
-            SolveOptions { anchor, beta, is_bounded: false, ..SolveOptions::edit(&solver.prior) };
-        let places: Vec<[f64; 3]> =
-            pinned.iter().map(|&vertex| solver.place(vertex, frame)).collect();
-        let pin = |(&vertex, place): (&usize, &[f64; 3])| {
-            Pin::new(vertex as u32, place.map(|x| x as f32))
-        };
-        let pins: Vec<Pin> = pinned.iter().zip(&places).map(pin).collect();
-        let mut weights = vec![0.0; frame.len()];
-        solver.solve(&pins, &options, &mut Vec::new(), &mut weights)?;
-        let shaped = self.protocol.face.shaped(&weights)?;
-        let truth = self.protocol.face.shaped(&narrow(frame))?;
-        let pins =
-            pinned.iter().zip(places).map(|(&v, place)| (shaped.positions[v], place)).collect();
-        let wide: Vec<f64> = weights.into_iter().map(f64::from).collect();
-        Ok(Solved::new(shaped, &truth, pins, gram.mean_square(&wide, frame).sqrt()))
-    }
 }
 
 impl Solved {
@@ -243,6 +215,11 @@ impl Solved {
         let errors = shaped.positions.iter().zip(&truth.positions).map(apart).collect();
         Self { shaped, errors, pins, rms }
     }
+}
+
+/// Returns the β of a method.
+fn beta(row: &Row, method: &str) -> f32 {
+    row.methods.get(method).map_or(1.0, |figures| figures.beta) as f32
 }
 
 fn narrow(weights: &[f64]) -> Vec<f32> {

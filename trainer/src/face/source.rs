@@ -9,7 +9,7 @@
 use super::basis::{Basis, ExampleMeshes, no_vertex, not_finite};
 use crate::Error;
 use crate::formats::extension::{extension, unknown_format};
-use crate::formats::npz::{self, Archive, Rows};
+use crate::formats::npz::{self, Archive};
 use crate::formats::obj::read_folder;
 use crate::formats::{NamedShape, ShapedMesh, fbx, gltf};
 use serde_json::Value;
@@ -40,8 +40,7 @@ pub fn read(path: &Path) -> Result<Source, Error> {
         return Basis::of(read_folder(path)?).check().map(Source::Shapes);
     }
     let mesh = match extension(path).as_str() {
-        "npz" if has_shapes(path)? => return read_face(path)?.check().map(Source::Shapes),
-        "npz" => return read_meshes(path).map(Source::Meshes),
+        "npz" => return read_arrays(path),
         "glb" | "gltf" => gltf::read_shapes(path)?,
         "fbx" => fbx::read_shapes(path)?,
         _ => return Err(unknown_format(path, ".npz, .glb, .gltf or .fbx, or a folder")),
@@ -49,16 +48,13 @@ pub fn read(path: &Path) -> Result<Source, Error> {
     Basis::of(mesh).check().map(Source::Shapes)
 }
 
-/// Returns whether the arrays describe a face with shapes, not example meshes.
-fn has_shapes(path: &Path) -> Result<bool, Error> {
+/// Reads a face with shapes, or example meshes, from arrays.
+fn read_arrays(path: &Path) -> Result<Source, Error> {
     let mut archive = Archive::open(path)?;
     let names = archive.texts("expression_names")?;
-    Ok(names.is_some() || archive.rows::<f64, 3>("neutral", &[3])?.is_some())
-}
-
-/// Reads a face from arrays.
-fn read_face(path: &Path) -> Result<Basis, Error> {
-    let mut archive = Archive::open(path)?;
+    if names.is_none() && archive.rows::<f64, 3>("neutral", &[3])?.is_none() {
+        return read_meshes(&mut archive).map(Source::Meshes);
+    }
     let positions = archive.required::<f64, 3>("neutral", &[3])?.data;
     let len = positions.len();
     let faces = faces(&mut archive, ["quads", "tris"], len)?;
@@ -72,14 +68,16 @@ fn read_face(path: &Path) -> Result<Basis, Error> {
         }
     }
     let deltas = deltas(&mut archive, "expression_deltas", len)?;
-    let names = archive.texts("expression_names")?;
     let names =
         names.unwrap_or_else(|| (0..deltas.len()).map(|shape| format!("shape {shape}")).collect());
     count("expression_names", "names", deltas.len(), names.len())?;
     let shapes = names.into_iter().zip(deltas);
     let shapes = shapes.map(|(name, deltas)| NamedShape { name, deltas }).collect();
     let identities = self::deltas(&mut archive, "identity_deltas", len)?;
-    let mut landmarks = vertices("landmarks", archive.rows::<i64, 1>("landmarks", &[])?, len)?;
+    let landmarks = archive.rows::<i64, 1>("landmarks", &[])?.map(|rows| rows.data);
+    let landmarks = landmarks.unwrap_or_default();
+    let place = || "array landmarks".to_owned();
+    let mut landmarks = checked(place, landmarks.as_flattened(), len)?;
     let mut regions = Vec::new();
     let (own, ends) = ICT;
     if [len, faces.len()] == own {
@@ -93,12 +91,11 @@ fn read_face(path: &Path) -> Result<Basis, Error> {
         }
     }
     let mesh = ShapedMesh { positions, faces, uv, uv_faces, shapes, ..ShapedMesh::default() };
-    Ok(Basis { mesh, identities, landmarks, regions })
+    Basis { mesh, identities, landmarks, regions }.check().map(Source::Shapes)
 }
 
 /// Reads example meshes from arrays; points in a plane get z = 0.
-fn read_meshes(path: &Path) -> Result<ExampleMeshes, Error> {
-    let mut archive = Archive::open(path)?;
+fn read_meshes(archive: &mut Archive) -> Result<ExampleMeshes, Error> {
     let in_space = archive.rows::<f64, 3>("meshes", &[0, 3]);
     let (lead, points) = match in_space {
         Ok(Some(rows)) => (rows.lead, rows.data),
@@ -120,7 +117,7 @@ fn read_meshes(path: &Path) -> Result<ExampleMeshes, Error> {
     }
     let positions: Vec<Vec<[f64; 3]>> = points.chunks(len.max(1)).map(<[_]>::to_vec).collect();
     count("meshes", "meshes with vertices", n, positions.len())?;
-    let faces = faces(&mut archive, ["quads", "tris"], len)?;
+    let faces = faces(archive, ["quads", "tris"], len)?;
     let mesh = ShapedMesh { positions: positions[0].clone(), faces, ..ShapedMesh::default() };
     Ok(ExampleMeshes { mesh, positions })
 }
@@ -149,15 +146,6 @@ fn checked(place: impl Fn() -> String, numbers: &[i64], len: usize) -> Result<Ve
         _ => Err(no_vertex(&place(), found, len)),
     };
     numbers.iter().map(check).collect()
-}
-
-fn vertices(
-    array: &'static str,
-    rows: Option<Rows<i64, 1>>,
-    len: usize,
-) -> Result<Vec<usize>, Error> {
-    let numbers = rows.map(|rows| rows.data).unwrap_or_default();
-    checked(|| format!("array {array}"), numbers.as_flattened(), len)
 }
 
 fn deltas(

@@ -1,7 +1,7 @@
 //! Takes: weights of a face's shapes, frame by frame.
 
 use super::basis::not_finite;
-use super::names::{Columns, columns, is_count};
+use super::names::{Columns, is_count};
 use super::source::count;
 use crate::Error;
 use crate::formats::csv;
@@ -36,16 +36,11 @@ pub struct Largest {
     pub place: String,
 }
 
-/// Columns that drive shapes, with their weights.
-struct DrivingColumns<'a> {
-    names: Vec<&'a str>,
-    /// Columns that drive each shape, S.
-    drivers: Vec<Vec<usize>>,
-    /// Weights of the columns, row by row.
-    rows: Vec<Vec<f64>>,
-    /// Location of each row in the file.
-    places: Vec<String>,
-}
+/// Name of a column, and the shapes that it drives.
+type Column<'a> = (&'a str, &'a [usize]);
+
+/// Location of a row in the file, and its weight in each column.
+type Row = (String, Vec<f64>);
 
 /// Reads a take: a `.csv` with named columns; or a `.npz` with `weights` (N, C) and `names` (C). Without `names`, the
 /// columns are the face's shapes in order.
@@ -79,7 +74,9 @@ impl Take {
         every: usize,
     ) -> Result<Vec<&[f64]>, Error> {
         let len = self.file_len();
-        check(range, len)?;
+        if range.is_empty() || range.end > len {
+            return Err(wrong_range(range, len));
+        }
         let picked = self.every(range, from, every);
         if picked.is_empty() {
             return Err(wrong_range(&(range.start + from..range.end), len));
@@ -93,13 +90,6 @@ impl Take {
         let places = numbers.filter_map(|number| self.numbers.binary_search(&number).ok());
         places.map(|place| self.frames[place].as_slice()).collect()
     }
-}
-
-fn check(range: &Range<usize>, len: usize) -> Result<(), Error> {
-    if range.start < range.end && range.end <= len {
-        return Ok(());
-    }
-    Err(wrong_range(range, len))
 }
 
 /// Makes the error of a range of frames that is empty or out of bounds.
@@ -118,14 +108,13 @@ fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, Error> {
     let used: Vec<usize> = (0..driven.len()).filter(|&at| !driven[at].is_empty()).collect();
     let count = table.names.iter().position(|name| is_count(name));
     let mut take = Take { skipped, ..Take::default() };
-    let (mut rows, mut places) = (Vec::new(), Vec::new());
+    let mut rows: Vec<Row> = Vec::new();
     for (number, row) in table.rows().iter().enumerate() {
         if is_lost(table, row, count, &used) {
             take.lost.push(row.line);
             continue;
         }
-        rows.push(table.numbers_of(row, &used)?);
-        places.push(format!("line {}", row.line));
+        rows.push((format!("line {}", row.line), table.numbers_of(row, &used)?));
         take.numbers.push(number);
     }
     if rows.is_empty() {
@@ -134,9 +123,9 @@ fn of_table(table: &csv::Table, shapes: &[String]) -> Result<Take, Error> {
             "has no frame: the tracking is lost in all {len} rows"
         )));
     }
-    let names = used.iter().map(|&at| table.names[at].as_str()).collect();
-    let drivers = drivers(used.iter().map(|&at| driven[at].as_slice()), shapes.len());
-    DrivingColumns { names, drivers, rows, places }.into_take(take, shapes)
+    let column = |&at: &usize| (table.names[at].as_str(), driven[at].as_slice());
+    let columns: Vec<Column<'_>> = used.iter().map(column).collect();
+    filled(take, shapes, &columns, &rows)
 }
 
 /// Checks that the line of names is not missing: most of the names are not unknown numbers.
@@ -175,80 +164,75 @@ fn of_arrays(path: &Path, shapes: &[String]) -> Result<Take, Error> {
     let names = archive.texts("names")?;
     count("weights", "columns", names.as_ref().map_or(shapes.len(), Vec::len), width)?;
     let names = names.as_deref().unwrap_or(shapes);
-    let Columns { driven, skipped, .. } = columns(names, shapes)?;
-    let driving = DrivingColumns {
-        names: names.iter().map(String::as_str).collect(),
-        drivers: drivers(driven.iter().map(Vec::as_slice), shapes.len()),
-        rows: rows.data.as_flattened().chunks(width.max(1)).map(<[f64]>::to_vec).collect(),
-        places: (0..n).map(|row| format!("frame {row}")).collect(),
-    };
-    driving.into_take(Take { numbers: (0..n).collect(), skipped, ..Take::default() }, shapes)
+    let columns = Columns::of(names, shapes);
+    columns.check(shapes)?;
+    let Columns { driven, skipped, .. } = columns;
+    let columns: Vec<Column<'_>> =
+        names.iter().map(String::as_str).zip(driven.iter().map(Vec::as_slice)).collect();
+    let rows = rows.data.as_flattened().chunks(width.max(1)).map(<[f64]>::to_vec);
+    let rows: Vec<Row> = (0..n).map(|row| format!("frame {row}")).zip(rows).collect();
+    let take = Take { numbers: (0..n).collect(), skipped, ..Take::default() };
+    filled(take, shapes, &columns, &rows)
 }
 
-/// Lists the columns that drive each shape, S.
+/// Fills a take: each shape gets the weights of its first column.
 ///
-/// - `driven`: shapes of each column.
-fn drivers<'a>(driven: impl Iterator<Item = &'a [usize]>, shape_len: usize) -> Vec<Vec<usize>> {
-    let mut drivers = vec![Vec::new(); shape_len];
-    for (column, shapes) in driven.enumerate() {
-        shapes.iter().for_each(|&shape| drivers[shape].push(column));
+/// # Errors
+/// [`ErrorKind::Mismatch`](crate::ErrorKind::Mismatch): two columns of a shape differ.
+fn filled(
+    take: Take,
+    shapes: &[String],
+    columns: &[Column<'_>],
+    rows: &[Row],
+) -> Result<Take, Error> {
+    let mut drivers = vec![Vec::new(); shapes.len()];
+    for (column, (_, driven)) in columns.iter().enumerate() {
+        driven.iter().for_each(|&shape| drivers[shape].push(column));
     }
-    drivers
+    check(shapes, &drivers, columns, rows)?;
+    let frame = |(_, row): &Row| {
+        drivers.iter().map(|all| all.first().map_or(0.0, |&at: &usize| row[at])).collect()
+    };
+    let frames = rows.iter().map(frame).collect();
+    let all = rows
+        .iter()
+        .flat_map(|(place, row)| drivers.iter().flatten().map(move |&at| (row[at], at, place)));
+    // Keeps the first of equal weights.
+    let largest = all.reduce(|most, next| if next.0.abs() > most.0.abs() { next } else { most });
+    let largest = largest.filter(|(weight, ..)| *weight != 0.0).map(|(weight, at, place)| {
+        Largest { weight, column: columns[at].0.to_owned(), place: place.clone() }
+    });
+    Ok(Take { frames, largest, ..take })
 }
 
-impl DrivingColumns<'_> {
-    /// Gives each shape the weights of its first column.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Mismatch`](crate::ErrorKind::Mismatch): two columns of a shape differ.
-    fn into_take(self, take: Take, shapes: &[String]) -> Result<Take, Error> {
-        self.check(shapes)?;
-        let weight = |row: &[f64], drivers: &[usize]| drivers.first().map_or(0.0, |&at| row[at]);
-        let frame = |row: &Vec<f64>| self.drivers.iter().map(|all| weight(row, all)).collect();
-        let frames = self.rows.iter().map(frame).collect();
-        Ok(Take { frames, largest: self.largest(), ..take })
-    }
-
-    /// Checks that all columns of a shape agree.
-    fn check(&self, shapes: &[String]) -> Result<(), Error> {
-        let pairs = self.drivers.iter().zip(shapes).flat_map(|(drivers, shape)| {
-            drivers.windows(2).map(move |pair| (shape, [pair[0], pair[1]]))
-        });
-        let mut differing = pairs.filter_map(|(shape, pair)| {
-            // The runtime holds weights in f32, and programs write different numbers of digits.
-            let differs = |row: &Vec<f64>| row[pair[0]] as f32 != row[pair[1]] as f32;
-            self.rows.iter().position(differs).map(|row| (shape, pair, row))
-        });
-        let Some((shape, pair, row)) = differing.next() else { return Ok(()) };
-        let [first, second] = pair.map(|at| self.names[at]);
-        let [a, b] = pair.map(|at| self.rows[row][at]);
-        let place = &self.places[row];
-        let remedy = match 1 + differing.count() {
-            1 => "them".to_owned(),
-            pairs => format!("each of {pairs} such pairs"),
-        };
-        Err(Error::mismatch(format!(
-            "columns {first:?} and {second:?} both drive shape {shape:?}, and differ in {place}: {a} and {b}: \
-             remove one of {remedy}"
-        )))
-    }
-
-    fn largest(&self) -> Option<Largest> {
-        let columns = || self.drivers.iter().flatten();
-        let all = self
-            .rows
-            .iter()
-            .zip(&self.places)
-            .flat_map(|(row, place)| columns().map(move |&at| (row[at], at, place)));
-        // Keeps the first of equal weights.
-        let largest =
-            all.reduce(|most, next| if next.0.abs() > most.0.abs() { next } else { most });
-        largest.filter(|(weight, ..)| *weight != 0.0).map(|(weight, at, place)| Largest {
-            weight,
-            column: self.names[at].to_owned(),
-            place: place.clone(),
-        })
-    }
+/// Checks that all columns of a shape agree.
+///
+/// - `drivers`: columns that drive each shape, S.
+fn check(
+    shapes: &[String],
+    drivers: &[Vec<usize>],
+    columns: &[Column<'_>],
+    rows: &[Row],
+) -> Result<(), Error> {
+    let pairs = drivers.iter().zip(shapes).flat_map(|(drivers, shape)| {
+        drivers.windows(2).map(move |pair| (shape, [pair[0], pair[1]]))
+    });
+    let mut differing = pairs.filter_map(|(shape, pair)| {
+        // The runtime holds weights in f32, and programs write different numbers of digits.
+        let differs = |(_, row): &&Row| row[pair[0]] as f32 != row[pair[1]] as f32;
+        rows.iter().find(differs).map(|row| (shape, pair, row))
+    });
+    let Some((shape, pair, (place, row))) = differing.next() else { return Ok(()) };
+    let [first, second] = pair.map(|at| columns[at].0);
+    let [a, b] = pair.map(|at| row[at]);
+    let remedy = match 1 + differing.count() {
+        1 => "them".to_owned(),
+        pairs => format!("each of {pairs} such pairs"),
+    };
+    Err(Error::mismatch(format!(
+        "columns {first:?} and {second:?} both drive shape {shape:?}, and differ in {place}: {a} and {b}: \
+         remove one of {remedy}"
+    )))
 }
 
 /// Formats weights as CSV: a line of names, then a line per frame with its number first.

@@ -2,22 +2,12 @@
 
 use crate::Error;
 use crate::formats::csv;
+use sinew_runtime::prior::Pin;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// An observed position of a vertex.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// The vertex.
-    pub vertex: usize,
-    /// The observed position.
-    pub at: [f64; 3],
-    /// Weight relative to other points.
-    pub stiffness: f64,
-}
-
-/// Points by frame number, ascending.
-pub type Track = BTreeMap<usize, Vec<Point>>;
+/// Observed positions of vertices, as pins, by frame number, ascending.
+pub type Track = BTreeMap<usize, Vec<Pin>>;
 
 const COLUMNS: [&str; 5] = ["frame", "vertex", "x", "y", "z"];
 const STIFFNESS: &str = "stiffness";
@@ -54,8 +44,9 @@ fn of_table(table: &csv::Table, vertex_len: usize) -> Result<Track, Error> {
         if stiffness <= 0.0 {
             return Err(wrong_cell(line, STIFFNESS, "a number above 0", stiffness));
         }
-        let at = [numbers[2], numbers[3], numbers[4]];
-        track.entry(frame).or_default().push(Point { vertex, at, stiffness });
+        let at = [numbers[2], numbers[3], numbers[4]].map(|x| x as f32);
+        let pin = Pin::new(vertex as u32, at).with_stiffness(stiffness as f32);
+        track.entry(frame).or_default().push(pin);
     }
     Ok(track)
 }
@@ -79,7 +70,7 @@ mod tests {
     fn points_are_grouped_by_frame_in_file_order() {
         let text = "vertex,frame,x,y,z,stiffness\n3,7,1,2,3,2\n1,2,0,0,0,1\n9,7,4,5,6,0.5\n";
         let track = of_table(&Table::parse(text.as_bytes()).unwrap(), 10).unwrap();
-        let point = |vertex, at, stiffness| Point { vertex, at, stiffness };
+        let point = |vertex, at, stiffness| Pin::new(vertex, at).with_stiffness(stiffness);
         let expected = [
             (2, vec![point(1, [0.0; 3], 1.0)]),
             (7, vec![point(3, [1.0, 2.0, 3.0], 2.0), point(9, [4.0, 5.0, 6.0], 0.5)]),

@@ -130,11 +130,8 @@ pub fn measure(
         return Ok(());
     }
     let own = of_take(basis, &frames[..cut], options)?;
-    let [slider, slider_mean] = sliders(&own);
-    let load = |model: &FileModel| -> Result<Model<Vec<u8>>, Error> {
-        Ok(Model::from_bytes(model.bake()?)?)
-    };
-    let (own, slider, slider_mean) = (load(&own)?, load(&slider)?, load(&slider_mean)?);
+    let [slider, slider_mean] = sliders(&own)?;
+    let own = Model::from_bytes(own.bake()?)?;
     let face = BakedFace::open(&own)?;
     let every = |frames: &'_ [Vec<f64>]| -> Vec<Vec<f64>> {
         frames.iter().step_by(EVERY).cloned().collect()
@@ -158,19 +155,22 @@ pub fn measure(
     Ok(())
 }
 
-/// Returns two copies of a file with the prior of the slider norm (Lewis and Anjyo 2010): around 0, and around the
+/// Bakes two copies of a file with the prior of the slider norm (Lewis and Anjyo 2010): around 0, and around the
 /// learned mean.
-pub fn sliders(model: &FileModel) -> [FileModel; 2] {
-    let with = |keeps_mean: bool| {
+///
+/// # Errors
+/// Errors of baking.
+pub fn sliders(model: &FileModel) -> Result<[Model<Vec<u8>>; 2], Error> {
+    let with = |keeps_mean: bool| -> Result<_, Error> {
         let mut model = model.clone();
         for prior in &mut model.priors {
             let own = slider(prior.bounds.clone(), 1.0);
             let mean = if keeps_mean { prior.mean.clone() } else { own.mean.clone() };
             *prior = PriorModel { mean, fit: prior.fit, skin: prior.skin, ..own };
         }
-        model
+        Ok(Model::from_bytes(model.bake()?)?)
     };
-    [with(false), with(true)]
+    Ok([with(false)?, with(true)?])
 }
 
 fn file(basis: &Basis, prior: PriorModel, options: &Options) -> FileModel {

@@ -57,24 +57,21 @@ impl Table {
         let mut builder = csv::ReaderBuilder::new();
         let mut reader =
             builder.trim(csv::Trim::All).flexible(true).delimiter(separator).from_reader(text);
-        let wrong = |error: csv::Error| {
-            let line = error.position().map_or(1, |position| line(text, position));
-            unreadable(line, &error).caused_by(error)
-        };
+        let line_at = |at: Option<&csv::Position>| at.map_or(1, |position| line(text, position));
+        let wrong =
+            |error: csv::Error| unreadable(line_at(error.position()), &error).caused_by(error);
         let has_decimal_commas = separator != b',';
         let first = reader.headers().map_err(wrong)?.clone();
         let mut cells = first.iter().filter(|cell| !cell.is_empty()).peekable();
         if cells.peek().is_some() && cells.all(|cell| number(cell, has_decimal_commas).is_some()) {
-            let line = first.position().map_or(1, |position| line(text, position));
             let found = first.iter().collect::<Vec<_>>().join(", ");
-            return Err(no_names(line, &found));
+            return Err(no_names(line_at(first.position()), &found));
         }
         let mut names: Vec<String> = first.iter().map(str::to_owned).collect();
         let mut rows = Vec::new();
         for record in reader.records() {
             let cells = record.map_err(wrong)?;
-            let line = cells.position().map_or(1, |position| line(text, position));
-            rows.push(Row { line, cells });
+            rows.push(Row { line: line_at(cells.position()), cells });
         }
         while rows.pop_if(|row| row.cells.iter().all(str::is_empty)).is_some() {}
         // A separator at the end of a line makes no further column.
@@ -91,12 +88,9 @@ impl Table {
     /// Checks the names and that there is a row.
     fn check(&self) -> Result<(), Error> {
         let names = &self.names;
-        let next = self
-            .rows
-            .first()
-            .map_or(0, |row| row.cells.iter().filter(|cell| !cell.is_empty()).count());
-        let is_longer = self.rows.first().is_some_and(|row| row.len() > names.len());
-        if is_longer && next > TITLE * names.iter().filter(|name| !name.is_empty()).count() {
+        let longer = self.rows.first().filter(|row| row.len() > names.len());
+        let next = longer.map_or(0, |row| row.cells.iter().filter(|cell| !cell.is_empty()).count());
+        if next > TITLE * names.iter().filter(|name| !name.is_empty()).count() {
             let found = names.join(" ");
             return Err(Error::damaged(format!(
                 "line 1: expected the names of {next} columns, as the next line has, found {:?}: \

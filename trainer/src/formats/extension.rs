@@ -35,8 +35,8 @@ pub(crate) fn unknown_format(path: &Path, expected: &'static str) -> Error {
     Error::unsupported(format!("expected a file that ends in {expected}, found {found}"))
 }
 
-/// Returns an error with a remedy for a known format that is not supported; `None` for any other format.
-pub(crate) fn unread(path: &Path) -> Option<Error> {
+/// Checks that a file's format is not one of the known formats that are not supported.
+fn check_supported(path: &Path) -> Result<(), Error> {
     let (format, remedy) = match extension(path).as_str() {
         "blend" => (
             "a Blender scene",
@@ -46,9 +46,9 @@ pub(crate) fn unread(path: &Path) -> Option<Error> {
             "USD",
             "export the scene with its joints as .fbx or .glb, and posed meshes as Alembic (.abc)",
         ),
-        _ => return None,
+        _ => return Ok(()),
     };
-    Some(Error::unsupported(format!("is {format}, which is not read: {remedy}")))
+    Err(Error::unsupported(format!("is {format}, which is not read: {remedy}")))
 }
 
 /// Content of a file, recognised by its first bytes.
@@ -75,9 +75,7 @@ impl Content {
 /// # Errors
 /// The format is known but not supported; the file is empty, is a baked model, or belongs to another ending.
 pub(crate) fn check_content(path: &Path) -> Result<(), Error> {
-    if let Some(error) = unread(path) {
-        return Err(error);
-    }
+    check_supported(path)?;
     let Ok(mut file) = File::open(path) else { return Ok(()) };
     let mut beginning = [0; 32];
     let Ok(len) = file.read(&mut beginning) else { return Ok(()) };

@@ -4,8 +4,8 @@ use super::extension::unmarked;
 use crate::Error;
 use serde::de::value::StrDeserializer;
 use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, IntoDeserializer,
-    MapAccess, SeqAccess, Unexpected, Visitor,
+    self, DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, MapAccess,
+    SeqAccess, Unexpected, Visitor,
 };
 use serde::forward_to_deserialize_any;
 use serde_json::{Value, map};
@@ -204,10 +204,7 @@ impl<'a> Deserializer<'a> for Reader<'a> {
         visitor: V,
     ) -> Result<V::Value, WrongValue> {
         match self.0 {
-            Value::String(own) => {
-                let name: StrDeserializer<'a, WrongValue> = own.as_str().into_deserializer();
-                visitor.visit_enum(name)
-            }
+            Value::String(own) => visitor.visit_enum(StrDeserializer::<WrongValue>::new(own)),
             _ => Err(WrongValue::expected(&one_of(all), &shown(self.found()))),
         }
     }
@@ -234,10 +231,6 @@ impl<'a> SeqAccess<'a> for Items<'a> {
         let Some((at, value)) = self.left.next() else { return Ok(None) };
         seed.deserialize(Reader(value)).map(Some).map_err(|error| error.within(&format!("[{at}]")))
     }
-
-    fn size_hint(&self) -> Option<usize> {
-        Some(self.left.len())
-    }
 }
 
 /// The remaining keys and values of an object.
@@ -256,8 +249,7 @@ impl<'a> MapAccess<'a> for Fields<'a> {
     ) -> Result<Option<T::Value>, WrongValue> {
         self.value = self.left.next();
         let Some((key, _)) = self.value else { return Ok(None) };
-        let key: StrDeserializer<'a, WrongValue> = key.as_str().into_deserializer();
-        seed.deserialize(key).map(Some)
+        seed.deserialize(StrDeserializer::<WrongValue>::new(key)).map(Some)
     }
 
     fn next_value_seed<T: DeserializeSeed<'a>>(&mut self, seed: T) -> Result<T::Value, WrongValue> {

@@ -23,7 +23,6 @@ pub(crate) mod fbx;
 pub(crate) mod gltf;
 pub(crate) mod json;
 pub(crate) mod layered;
-mod materials;
 mod mesh;
 pub(crate) mod npz;
 pub mod obj;

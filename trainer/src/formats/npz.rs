@@ -20,9 +20,7 @@ use zip::{System, ZipArchive, ZipWriter};
 const OPTIONS: SimpleFileOptions = SimpleFileOptions::DEFAULT.large_file(true).system(System::Unix);
 
 /// An open npz archive.
-pub(crate) struct Archive {
-    zip: ZipArchive<BufReader<File>>,
-}
+pub(crate) struct Archive(ZipArchive<BufReader<File>>);
 
 /// An array as rows of K numbers in C order.
 pub(crate) struct Rows<T, const K: usize> {
@@ -50,10 +48,8 @@ pub(crate) fn read_npy(path: &Path, array: &str) -> Result<Vec<f64>, Error> {
     if header.shape().len() != 1 {
         return Err(wrong_shape(array, "[n]", header.shape()));
     }
-    let wrong = wrong_type(array, f64::EXPECTED, &header);
     let mut numbers = Vec::new();
-    let read = f64::each(NpyFile::with_header(header, left), |number| numbers.push(number));
-    read.ok_or(wrong)?.map_err(|error| damaged(array, fault_of_data(&error)))?;
+    read_each(array, header, left, |number| numbers.push(number))?;
     Ok(numbers)
 }
 
@@ -89,13 +85,12 @@ impl Archive {
                  write it, or copy it, again"
             ))
         };
-        let zip = ZipArchive::new(BufReader::new(file)).map_err(cut)?;
-        Ok(Self { zip })
+        ZipArchive::new(BufReader::new(file)).map_err(cut).map(Self)
     }
 
     /// Returns whether the archive has the array.
     pub(crate) fn has(&self, array: &str) -> bool {
-        self.zip.index_for_name(&file_name_from_array_name(array)).is_some()
+        self.0.index_for_name(&file_name_from_array_name(array)).is_some()
     }
 
     /// Reads an array as [`Archive::rows`] does; a missing array is an error.
@@ -115,7 +110,7 @@ impl Archive {
         array: &str,
         tail: &[u64],
     ) -> Result<Option<Rows<T, K>>, Error> {
-        let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
+        let Some((header, file)) = self.find(array)? else { return Ok(None) };
         let shape = header.shape();
         let fits = shape.len() == tail.len() + 1
             && shape[1..].iter().zip(tail).all(|(&found, &wanted)| wanted == 0 || found == wanted);
@@ -132,26 +127,18 @@ impl Archive {
         let mut data = Vec::new();
         data.try_reserve_exact(row_len).map_err(|error| damaged(array, error))?;
         data.resize(row_len, [T::default(); K]);
-        let mut places = Places::new(&header);
+        let mut places = places(&header);
         let flat = data.as_flattened_mut();
-        let wrong = wrong_type(array, T::EXPECTED, &header);
-        T::each(NpyFile::with_header(header, &mut file), |number| flat[places.take()] = number)
-            .ok_or(wrong)?
-            .and_then(|()| finish(file))
-            .map_err(|error| damaged(array, fault_of_data(&error)))?;
+        read_each(array, header, file, |number| flat[places()] = number)?;
         Ok(Some(Rows { lead, data }))
     }
 
     /// Reads one number, stored as a scalar or as an array of one; `None` if the archive has no such array.
     pub(crate) fn number(&mut self, array: &str) -> Result<Option<f64>, Error> {
-        let Some((header, mut file)) = self.find(array)? else { return Ok(None) };
+        let Some((header, file)) = self.find(array)? else { return Ok(None) };
         check_one(array, &header)?;
-        let wrong = wrong_type(array, f64::EXPECTED, &header);
         let mut only = f64::NAN;
-        f64::each(NpyFile::with_header(header, &mut file), |number| only = number)
-            .ok_or(wrong)?
-            .and_then(|()| finish(file))
-            .map_err(|error| damaged(array, fault_of_data(&error)))?;
+        read_each(array, header, file, |number| only = number)?;
         Ok(Some(only))
     }
 
@@ -173,10 +160,10 @@ impl Archive {
 
     /// Finds an array and checks that the file has enough bytes for the header's shape.
     fn find(&mut self, array: &str) -> Result<Option<(NpyHeader, impl Read + '_)>, Error> {
-        let Some(index) = self.zip.index_for_name(&file_name_from_array_name(array)) else {
+        let Some(index) = self.0.index_for_name(&file_name_from_array_name(array)) else {
             return Ok(None);
         };
-        let unpacked = self.zip.by_index(index);
+        let unpacked = self.0.by_index(index);
         let mut file = unpacked.map_err(|_| damaged(array, "it cannot be unpacked"))?;
         let present = file.size();
         let header = NpyHeader::from_reader(&mut file)
@@ -230,14 +217,12 @@ impl Number for i64 {
 }
 
 /// An npz archive under construction.
-pub(crate) struct Writer<'a> {
-    zip: ZipWriter<BufWriter<&'a mut File>>,
-}
+pub(crate) struct Writer<'a>(ZipWriter<BufWriter<&'a mut File>>);
 
 impl<'a> Writer<'a> {
     /// Begins an archive in an empty file.
     pub(crate) fn new(file: &'a mut File) -> Self {
-        Self { zip: ZipWriter::new(BufWriter::new(file)) }
+        Self(ZipWriter::new(BufWriter::new(file)))
     }
 
     /// Adds an array of numbers in C order; their count must fill `shape`.
@@ -247,9 +232,9 @@ impl<'a> Writer<'a> {
         shape: &[u64],
         numbers: impl Iterator<Item = T>,
     ) -> io::Result<()> {
-        self.zip.start_file(file_name_from_array_name(array), OPTIONS)?;
+        self.0.start_file(file_name_from_array_name(array), OPTIONS)?;
         let options = WriteOptions::new().default_dtype().shape(shape);
-        let mut file = options.writer(&mut self.zip).begin_nd()?;
+        let mut file = options.writer(&mut self.0).begin_nd()?;
         file.extend(numbers)?;
         file.finish()
     }
@@ -260,9 +245,9 @@ impl<'a> Writer<'a> {
         let invalid = |_| io::Error::from(io::ErrorKind::InvalidInput);
         let dtype = DType::Plain(format!("<U{longest}").parse().map_err(invalid)?);
         let shape = [texts.len() as u64];
-        self.zip.start_file(file_name_from_array_name(array), OPTIONS)?;
+        self.0.start_file(file_name_from_array_name(array), OPTIONS)?;
         let options = WriteOptions::<str>::new().dtype(dtype).shape(&shape);
-        let mut file = options.writer(&mut self.zip).begin_nd()?;
+        let mut file = options.writer(&mut self.0).begin_nd()?;
         for text in texts {
             file.push(text)?;
         }
@@ -271,7 +256,7 @@ impl<'a> Writer<'a> {
 
     /// Ends the archive.
     pub(crate) fn finish(self) -> io::Result<()> {
-        self.zip.finish()?.flush()
+        self.0.finish()?.flush()
     }
 }
 
@@ -281,6 +266,18 @@ fn check_one(array: &str, header: &NpyHeader) -> Result<(), Error> {
         [] | [1] => Ok(()),
         found => Err(wrong_shape(array, "[] or [1]", found)),
     }
+}
+
+/// Passes every number of an array to `store`, and reads to the end of its file.
+fn read_each<T: Number>(
+    array: &str,
+    header: NpyHeader,
+    mut file: impl Read,
+    store: impl FnMut(T),
+) -> Result<(), Error> {
+    let wrong = wrong_type(array, T::EXPECTED, &header);
+    let read = T::each(NpyFile::with_header(header, &mut file), store).ok_or(wrong)?;
+    read.and_then(|()| finish(file)).map_err(|error| damaged(array, fault_of_data(&error)))
 }
 
 /// Reads the texts of an array to the end of its file.
@@ -350,37 +347,28 @@ fn each<T: Deserialize>(
     Some(numbers.try_for_each(|number| number.map(&mut store)))
 }
 
-/// Position in C order of each successive number of a file.
-struct Places {
-    /// (count, stride in C order) of each dimension, fastest in the file first.
-    dimensions: Vec<(usize, usize)>,
-    index: Vec<usize>,
-    next: usize,
-}
-
-impl Places {
-    fn new(header: &NpyHeader) -> Self {
-        let mut stride = 1;
-        let mut dimensions = Vec::new();
-        for &count in header.shape().iter().rev() {
-            dimensions.push((count as usize, stride));
-            stride *= count as usize;
-        }
-        if header.order() == Order::Fortran {
-            dimensions.reverse();
-        }
-        Self { index: vec![0; dimensions.len()], dimensions, next: 0 }
+/// Returns the position in C order of each successive number of a file, one a call.
+fn places(header: &NpyHeader) -> impl FnMut() -> usize + use<> {
+    let mut stride = 1;
+    // (index, count, stride in C order) of each dimension, fastest in the file first.
+    let mut dimensions = Vec::new();
+    for &count in header.shape().iter().rev() {
+        dimensions.push((0, count as usize, stride));
+        stride *= count as usize;
     }
-
-    fn take(&mut self) -> usize {
-        let place = self.next;
-        for (index, &(count, stride)) in self.index.iter_mut().zip(&self.dimensions) {
+    if header.order() == Order::Fortran {
+        dimensions.reverse();
+    }
+    let mut next = 0;
+    move || {
+        let place = next;
+        for (index, count, stride) in &mut dimensions {
             *index += 1;
-            self.next += stride;
-            if *index < count {
+            next += *stride;
+            if *index < *count {
                 break;
             }
-            self.next -= count * stride;
+            next -= *count * *stride;
             *index = 0;
         }
         place

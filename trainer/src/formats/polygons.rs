@@ -51,11 +51,12 @@ impl Polygons {
         let mut triangles = Vec::new();
         let mut first = 0;
         for corners in self.iter() {
-            let places: Vec<usize> = (first..first + corners.len()).collect();
+            let begin = triangles.len();
             match corners.len() {
-                5..=CLIPPED_MAX => clip(&places, corners, positions, &mut triangles),
-                _ => fan(&places, &mut triangles),
+                5..=CLIPPED_MAX => clip(corners, positions, &mut triangles),
+                len => fan(&(0..len).collect::<Vec<_>>(), &mut triangles),
             }
+            triangles[begin..].as_flattened_mut().iter_mut().for_each(|place| *place += first);
             first += corners.len();
         }
         triangles
@@ -76,14 +77,8 @@ fn fan(corners: &[usize], triangles: &mut Vec<[usize; 3]>) {
 
 /// Splits a polygon by clipping its ears one after the other; the rest becomes a fan once no ear is left.
 ///
-/// - `places`: index of each corner among all corners.
 /// - `corners`: vertex of each corner.
-fn clip(
-    places: &[usize],
-    corners: &[usize],
-    positions: &[[f64; 3]],
-    triangles: &mut Vec<[usize; 3]>,
-) {
+fn clip(corners: &[usize], positions: &[[f64; 3]], triangles: &mut Vec<[usize; 3]>) {
     let (flat, twice_area) = flatten(corners, positions);
     let slack = FLAT * twice_area;
     // The remaining corners, as places in the polygon.
@@ -93,12 +88,11 @@ fn clip(
         let len = ring.len();
         let ear = (at..at + len).map(|at| at % len).find(|&at| is_ear(&flat, &ring, at, slack));
         let Some(ear) = ear else { break };
-        triangles.push(around(&ring, ear).map(|place| places[place]));
+        triangles.push(around(&ring, ear));
         ring.remove(ear);
         at = ear;
     }
-    let rest: Vec<usize> = ring.into_iter().map(|place| places[place]).collect();
-    fan(&rest, triangles);
+    fan(&ring, triangles);
 }
 
 /// Projects a polygon along the axis nearest to its normal, so that it turns left; also returns twice its projected

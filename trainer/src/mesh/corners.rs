@@ -55,7 +55,7 @@ impl Corners {
                 };
                 let normals = &normals.clone().unwrap_or_else(welded);
                 let (vertices, uv) = (&self.vertices, self.uv.as_deref()?);
-                Some(Textured { positions, vertices, normals, uv, triangles }.tangents())
+                Some(tangents(Textured { positions, vertices, normals, uv, triangles }))
             });
         let authored = Authored { normals, tangents, uv: self.uv.as_deref() };
 
@@ -127,7 +127,7 @@ impl EngineMesh {
         if let Some(uv) = self.uv.as_deref().filter(|_| self.tangents.is_none()) {
             let normals = &Surface { positions, triangles, engine: Some(self) }.normals();
             let (vertices, triangles) = (&self.copy_of, &self.triangles);
-            let found = Textured { positions, vertices, normals, uv, triangles }.tangents();
+            let found = tangents(Textured { positions, vertices, normals, uv, triangles });
             let mut own = vec![[0.0; 4]; vertices.len()];
             for (&vertex, tangent) in triangles.as_flattened().iter().zip(found) {
                 if own[vertex][..3] == [0.0; 3] {
@@ -187,27 +187,21 @@ struct Textured<'a> {
     triangles: &'a [[usize; 3]],
 }
 
-impl Textured<'_> {
-    /// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where the texture has no direction.
-    fn tangents(&self) -> Vec<[f64; 4]> {
-        let mut faces = Faces { mesh: self, found: vec![[0.0; 4]; 3 * self.triangles.len()] };
-        // The checks of the examples report numbers that are not finite.
-        if !self.is_finite() {
-            return faces.found;
-        }
+/// Computes the tangent and handedness at each corner of the triangles, 3T; 0 where the texture has no direction.
+fn tangents(mesh: Textured<'_>) -> Vec<[f64; 4]> {
+    let mut faces = Faces { found: vec![[0.0; 4]; 3 * mesh.triangles.len()], mesh };
+    let Textured { positions, normals, uv, .. } = &faces.mesh;
+    let all = positions.as_flattened().iter().chain(uv.as_flattened());
+    // The checks of the examples report numbers that are not finite.
+    if all.chain(normals.as_flattened()).all(|&x| (x as f32).is_finite()) {
         // `Faces` returns no error, so neither can the generator.
         let _ = generate_tangents(&mut faces);
-        faces.found
     }
-
-    fn is_finite(&self) -> bool {
-        let all = self.positions.as_flattened().iter().chain(self.uv.as_flattened());
-        all.chain(self.normals.as_flattened()).all(|&x| (x as f32).is_finite())
-    }
+    faces.found
 }
 
 struct Faces<'a> {
-    mesh: &'a Textured<'a>,
+    mesh: Textured<'a>,
     found: Vec<[f64; 4]>,
 }
 
@@ -328,7 +322,7 @@ mod tests {
     fn tangents_of(uv: [[f64; 2]; 3]) -> Vec<[f64; 4]> {
         let normals = &[[0.0, 0.0, 1.0]; 3];
         let (vertices, triangles) = (&[0, 1, 2], &[[0, 1, 2]]);
-        Textured { positions: &TRIANGLE, vertices, normals, uv: &uv, triangles }.tangents()
+        tangents(Textured { positions: &TRIANGLE, vertices, normals, uv: &uv, triangles })
     }
 
     #[test]

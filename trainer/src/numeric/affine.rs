@@ -14,12 +14,7 @@ pub fn linear(map: &Matrix3x4<f64>) -> Matrix3<f64> {
 
 /// Joins a linear part and an offset into a map.
 pub fn joined(linear: &Matrix3<f64>, offset: &Vector3<f64>) -> Matrix3x4<f64> {
-    Matrix3x4::from_columns(&[
-        linear.column(0),
-        linear.column(1),
-        linear.column(2),
-        offset.column(0),
-    ])
+    Matrix3x4::from_fn(|row, column| if column < 3 { linear[(row, column)] } else { offset[row] })
 }
 
 /// Makes a map from three rows.

@@ -103,15 +103,14 @@ fn sum_over_chunks(
     add: impl Fn(usize, usize, &mut Mat<f64>) + Sync,
 ) -> Mat<f64> {
     let chunk = items.div_ceil(CHUNKS).max(1);
-    let parts: Vec<Mat<f64>> = (0..items.div_ceil(chunk))
-        .into_par_iter()
-        .map(|c| {
-            let mut part = Mat::zeros(rows, columns);
-            let start = c * chunk;
-            add(start, chunk.min(items - start), &mut part);
-            part
-        })
-        .collect();
+    let part = |number: usize| {
+        let mut part = Mat::zeros(rows, columns);
+        let start = number * chunk;
+        add(start, chunk.min(items - start), &mut part);
+        part
+    };
+    let parts = (0..items.div_ceil(chunk)).into_par_iter().map(part);
+    let parts: Vec<Mat<f64>> = parts.collect();
     let mut sum = Mat::zeros(rows, columns);
     for part in &parts {
         sum += part;

@@ -90,7 +90,7 @@ pub(crate) fn cluster(points: &Mat<f64>, count: usize) -> Vec<usize> {
     for _ in 0..ROUNDS {
         let next: Vec<usize> = (0..points.ncols())
             .into_par_iter()
-            .map(|i| nearest(points.col_as_slice(i), &centres).0)
+            .map(|i| nearest(points.col_as_slice(i), &centres))
             .collect();
         if next == group {
             break;
@@ -135,13 +135,9 @@ fn seeds(points: &Mat<f64>, count: usize) -> Vec<Vec<f64>> {
     centres
 }
 
-fn nearest(point: &[f64], centres: &[Vec<f64>]) -> (usize, f64) {
-    centres
-        .iter()
-        .map(|centre| squared(point, centre))
-        .enumerate()
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .unwrap_or((0, 0.0))
+fn nearest(point: &[f64], centres: &[Vec<f64>]) -> usize {
+    let distances = centres.iter().map(|centre| squared(point, centre)).enumerate();
+    distances.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
 }
 
 fn squared(a: &[f64], b: &[f64]) -> f64 {

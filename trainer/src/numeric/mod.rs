@@ -3,5 +3,6 @@
 pub mod affine;
 pub mod basis;
 pub(crate) mod columns;
+pub(crate) mod grid;
 pub mod simplex;
 pub mod so3;

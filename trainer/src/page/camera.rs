@@ -1,6 +1,7 @@
 //! Views and cameras of pictures.
 
-use crate::space::direction;
+use crate::numeric::columns::ends;
+use crate::space::{cross, direction};
 use nalgebra::Vector3;
 use sinew_runtime::format::{Axis, Handedness};
 
@@ -53,12 +54,7 @@ impl View {
             Axis::MinusY | Axis::MinusZ => -Vector3::x(),
         };
         let up = direction(self.up);
-        let toward = right.cross(&up);
-        let toward = match self.handedness {
-            Handedness::Right => toward,
-            Handedness::Left => -toward,
-        };
-        [right, up, toward]
+        [right, up, cross(&right, &up, self.handedness)]
     }
 
     /// Returns the unit vectors right, up and toward the eye.
@@ -100,20 +96,15 @@ impl Camera {
         width: usize,
     ) -> Self {
         let axes = view.axes();
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for position in positions {
-            for axis in [0, 1] {
-                let along = axes[axis].dot(&Vector3::from(*position));
-                low[axis] = low[axis].min(along);
-                high[axis] = high[axis].max(along);
-            }
-        }
-        let extent = [0, 1].map(|axis| (high[axis] - low[axis]).max(f64::MIN_POSITIVE));
+        let positions = positions.into_iter().map(|position| Vector3::from(*position));
+        let seen = positions.map(|x| [axes[0].dot(&x), axes[1].dot(&x)]).collect::<Vec<_>>();
+        let sides = [0, 1].map(|axis| ends(seen.iter().map(|x| &x[axis])));
+        let extent = sides.map(|[low, high]| (high - low).max(f64::MIN_POSITIVE));
         let room = 1.0 - 2.0 * MARGIN;
         let aspect = (extent[1] / extent[0]).clamp(0.5, 1.4);
         let height = (aspect * width as f64).round() as usize;
         let scale = room * (width as f64 / extent[0]).min(height as f64 / extent[1]);
-        let centre = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
+        let centre = sides.map(|[low, high]| 0.5 * (low + high));
         Self { axes, centre, scale, size: Resolution { width, height } }
     }
 

@@ -42,14 +42,8 @@ impl Scale {
     }
 
     /// Lists the errors to label on the scale, ascending, with enough room between the labels.
-    pub fn ticks(&self) -> Vec<f64> {
-        let mut ticks = vec![self.most];
-        for share in [0.5, 0.25, 0.1, 0.02] {
-            ticks.push(share * self.most);
-        }
-        ticks.push(0.0);
-        ticks.reverse();
-        ticks
+    pub fn ticks(&self) -> [f64; 6] {
+        [0.0, 0.02, 0.1, 0.25, 0.5, 1.0].map(|share| share * self.most)
     }
 }
 

@@ -4,8 +4,6 @@ use super::colour::Colour;
 use super::html::text;
 use super::picture::Picture;
 use crate::Error;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use std::fmt::Write;
 
@@ -91,10 +89,10 @@ impl Drawing {
                 Shape::Image { at: [x, y], picture } => writeln!(
                     out,
                     "<image x=\"{x:.1}\" y=\"{y:.1}\" width=\"{}\" height=\"{}\" \
-                     href=\"data:image/png;base64,{}\"/>",
+                     href=\"{}\"/>",
                     picture.size.width,
                     picture.size.height,
-                    STANDARD.encode(picture.png()?)
+                    picture.data_uri()?
                 ),
                 Shape::Line { points, width, colour } => {
                     let points: Vec<String> =
@@ -115,7 +113,7 @@ impl Drawing {
                 Shape::Text { at: [x, y], anchor, text: words } => writeln!(
                     out,
                     "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{}\" fill=\"{}\">{}</text>",
-                    anchor.name(),
+                    anchor.parts().0,
                     hex(INK),
                     text(words)
                 ),
@@ -153,12 +151,12 @@ impl Drawing {
 }
 
 impl Anchor {
-    /// Returns the anchor's name in SVG.
-    const fn name(self) -> &'static str {
+    /// Returns the anchor's name in SVG, and its place as a share of the text's width.
+    const fn parts(self) -> (&'static str, f64) {
         match self {
-            Self::Start => "start",
-            Self::Middle => "middle",
-            Self::End => "end",
+            Self::Start => ("start", 0.0),
+            Self::Middle => ("middle", 0.5),
+            Self::End => ("end", 1.0),
         }
     }
 }
@@ -168,17 +166,13 @@ fn hex([r, g, b]: Colour) -> String {
 }
 
 /// Returns the distance of a point from the segment between two points.
-fn segment_distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
-    let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
-    let (along, from) = (minus(b, a), minus(p, a));
+pub(crate) fn segment_distance(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let to = [point[0] - a[0], point[1] - a[1]];
     let squared = along[0] * along[0] + along[1] * along[1];
-    let share = if squared > 0.0 {
-        ((from[0] * along[0] + from[1] * along[1]) / squared).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    let off = minus(from, [share * along[0], share * along[1]]);
-    off[0].hypot(off[1])
+    let share = if squared > 0.0 { (to[0] * along[0] + to[1] * along[1]) / squared } else { 0.0 };
+    let share = share.clamp(0.0, 1.0);
+    (to[0] - share * along[0]).hypot(to[1] - share * along[1])
 }
 
 /// Mixes a colour into the pixels around a segment; `inside` returns how deep a pixel's centre lies inside the shape.
@@ -214,11 +208,7 @@ fn copy(out: &mut Picture, [x, y]: [f64; 2], picture: &Picture) {
 fn write_text(out: &mut Picture, [x, y]: [f64; 2], anchor: Anchor, text: &str) {
     let letter = get_raster_width(WEIGHT, TEXT);
     let width = (letter * text.chars().count()) as f64;
-    let left = match anchor {
-        Anchor::Start => x,
-        Anchor::Middle => x - 0.5 * width,
-        Anchor::End => x - width,
-    };
+    let left = x - anchor.parts().1 * width;
     // Letters stand a quarter of their raster's height above its foot.
     let top = (y - 0.75 * TEXT.val() as f64).round().max(0.0) as usize;
     for (place, character) in text.chars().enumerate() {

@@ -3,8 +3,7 @@
 use super::picture::Picture;
 use crate::Error;
 use crate::space::written;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use std::fmt::Display;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -50,7 +49,7 @@ pub(crate) fn paragraph(content: &str) -> String {
 }
 
 /// Returns a table of HTML cells: text in the first column, figures aligned right in the others.
-pub(crate) fn table(head: &[String], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(head: &[impl Display], rows: &[Vec<String>]) -> String {
     let mut out = String::from("<div class=\"wide\"><table>\n<thead><tr>");
     for cell in head {
         out += &format!("<th scope=\"col\">{cell}</th>");
@@ -87,9 +86,9 @@ pub(crate) fn figure(
     let (width, height) = (picture.size.width, picture.size.height);
     Ok(format!(
         "<figure><div class=\"picture\"><img alt=\"{}\" width=\"{width}\" height=\"{height}\" \
-         src=\"data:image/png;base64,{}\">{over}</div><figcaption>{caption}</figcaption></figure>\n",
+         src=\"{}\">{over}</div><figcaption>{caption}</figcaption></figure>\n",
         text(description),
-        STANDARD.encode(picture.png()?)
+        picture.data_uri()?
     ))
 }
 

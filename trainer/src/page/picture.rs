@@ -3,8 +3,11 @@
 use super::camera::Resolution;
 use super::colour::Colour;
 use crate::{Error, ErrorKind};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use gif::{Frame, Repeat};
 use png::{BitDepth, ColorType, EncodingError};
+use std::error::Error as StdError;
 
 /// Speed of the encoder's search for 256 colours: 1 is best, 30 fastest.
 const COLOUR_SPEED: i32 = 10;
@@ -62,10 +65,15 @@ impl Picture {
     /// # Errors
     /// The picture has no pixels, or the encoder fails.
     pub fn png(&self) -> Result<Vec<u8>, Error> {
-        self.encoded().map_err(|error| {
-            let message = format!("cannot encode a picture: {error}");
-            Error::new(ErrorKind::Write, message).caused_by(error)
-        })
+        self.encoded().map_err(|error| failed("picture", error))
+    }
+
+    /// Returns the picture as PNG in a data URI.
+    ///
+    /// # Errors
+    /// Those of [`Picture::png`].
+    pub(super) fn data_uri(&self) -> Result<String, Error> {
+        Ok(format!("data:image/png;base64,{}", STANDARD.encode(self.png()?)))
     }
 
     fn encoded(&self) -> Result<Vec<u8>, EncodingError> {
@@ -110,6 +118,7 @@ impl Gif {
         };
         let mut rgba = picture.on_white().rgba;
         let frame = Frame::from_rgba_speed(columns, rows, &mut rgba, COLOUR_SPEED);
+        let failed = |error| failed("GIF", error);
         let encoder = match self.encoder.take() {
             Some(encoder) => encoder,
             None => {
@@ -129,12 +138,12 @@ impl Gif {
     /// [`ErrorKind::Write`]: the encoder fails.
     pub fn finish(self) -> Result<Vec<u8>, Error> {
         let bytes = self.encoder.map(gif::Encoder::into_inner).transpose();
-        Ok(bytes.map_err(failed)?.unwrap_or_default())
+        Ok(bytes.map_err(|error| failed("GIF", error))?.unwrap_or_default())
     }
 }
 
-fn failed(error: gif::EncodingError) -> Error {
-    Error::new(ErrorKind::Write, format!("cannot encode a GIF: {error}")).caused_by(error)
+fn failed(what: &str, error: impl StdError + Send + Sync + 'static) -> Error {
+    Error::new(ErrorKind::Write, format!("cannot encode a {what}: {error}")).caused_by(error)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::camera::{Camera, Resolution};
 use super::colour::Colour;
 use super::picture::Picture;
+use crate::numeric::columns::{ends, largest};
 use nalgebra::Vector3;
 
 /// Samples along each side of a pixel.
@@ -136,15 +137,7 @@ impl ShadedMesh<'_> {
 
     /// Returns the vertex of the corner with the largest weight.
     fn nearest(&self, hit: &Hit) -> usize {
-        let [a, b, c] = hit.weights;
-        let corner = if a >= b && a >= c {
-            0
-        } else if b >= c {
-            1
-        } else {
-            2
-        };
-        self.triangles[hit.triangle][corner]
+        self.triangles[hit.triangle][largest(&hit.weights)]
     }
 
     /// Interpolates values of the vertices.
@@ -185,8 +178,7 @@ fn cross(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
 
 /// Returns the pixels whose centre may lie between the corners.
 fn span(corners: [f64; 3], len: usize) -> std::ops::Range<usize> {
-    let low = corners.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = ends(&corners);
     // The cast clamps a negative or huge number to the integer range.
     let (first, end) = ((low - 0.5).ceil() as usize, (high + 0.5).floor() as usize);
     first.min(len)..end.min(len)

@@ -35,7 +35,7 @@ pub struct ExpectedError {
 }
 
 /// Bounds of an expected error that rounding changes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExpectedErrorBounds {
     /// Bound with the least confidence: least explained, most unexplained.
     pub least: ExpectedError,
@@ -144,12 +144,6 @@ impl ExpectedError {
 }
 
 impl ExpectedErrorBounds {
-    /// Bounds of an expected error of 0.
-    pub const ZERO: Self = Self {
-        least: ExpectedError { explained: 0.0, unexplained: 0.0 },
-        most: ExpectedError { explained: 0.0, unexplained: 0.0 },
-    };
-
     /// Adds the error of other vertices.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {

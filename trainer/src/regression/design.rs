@@ -48,7 +48,7 @@ pub struct Design<'a> {
     /// X.
     columns: Mat<f64>,
     /// Left singular vectors of X, n x k; their squared singular values follow, descending.
-    directions: Mat<f64>,
+    pub(super) directions: Mat<f64>,
     squared: Vec<f64>,
     /// Largest squared singular value. Ridges are relative to it.
     largest: f64,
@@ -101,16 +101,6 @@ impl<'a> Design<'a> {
     /// Returns n.
     pub fn sample_len(&self) -> usize {
         self.inputs.sample_len()
-    }
-
-    /// Projects outputs n x r onto the design's k directions, k x r.
-    pub fn project(&self, outputs: &Mat<f64>) -> Mat<f64> {
-        self.directions.transpose() * outputs
-    }
-
-    /// Collects the rows of a block on the design's directions, len x k.
-    pub fn rows(&self, block: &Block) -> Mat<f64> {
-        block.rows(&self.directions)
     }
 
     /// Returns the residuals of a fit to all samples with a ridge, n x r, from the outputs and their projection.
@@ -357,8 +347,8 @@ mod tests {
             for block in [Block::row(0..7), Block::row(7..12), Block::row(12..20), scattered] {
                 let out: Vec<usize> = block.out().collect();
                 let own = Mat::from_fn(out.len(), 2, |i, o| all[(out[i], o)]);
-                let left = design.block_out(&design.rows(&block), 1e-3).unwrap();
-                let projected = design.project(&all);
+                let left = design.block_out(&block.rows(&design.directions), 1e-3).unwrap();
+                let projected = design.directions.transpose() * &all;
                 let residuals = left.residuals(&own, &projected);
                 let same = block.rows(&design.residuals(&all, &projected, 1e-3));
                 assert!((&same - &residuals).norm_max() < 1e-12);
@@ -403,7 +393,7 @@ mod tests {
                 variance(&x, &kept, i, ridge) + prior
             };
             let expected: f64 = block.own.iter().map(of).sum();
-            let out = design.block_out(&design.rows(&block), 1e-3).unwrap();
+            let out = design.block_out(&block.rows(&design.directions), 1e-3).unwrap();
             let found = out.variance(&design, &block);
             assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
         }

@@ -54,11 +54,6 @@ impl Inputs {
         self.values.nrows()
     }
 
-    /// Returns the inputs multiplied by a factor, d x n.
-    pub fn scaled(&self, factor: f64) -> Mat<f64> {
-        &self.values * faer::Scale(factor)
-    }
-
     /// Returns the matrix of `G + 0.2 x·x'/m`, conditioned on a value of 0 at the origin, n x n.
     ///
     /// This is the kernel of a regression in which every sample is a centre.

@@ -9,6 +9,7 @@ use super::map::KernelMap;
 use super::outputs::{Block, Outputs, power_mean};
 use faer::Mat;
 use sinew_runtime::format::CORRECTION_MAX;
+use std::cmp::Ordering;
 
 /// Roundings of a term of the sum in f32, each random; [`KernelMap::error`] bounds the worst case.
 const TERM: f64 = 5.0;
@@ -58,31 +59,36 @@ impl Scored {
 /// indefinite.
 pub fn best(design: &Design<'_>, outputs: &Outputs) -> Option<Scored> {
     let projected = Projected::new(design, outputs);
-    let rounding = Rounding::new(design, outputs.blocks.len());
+    let terms = rounded_terms(design, outputs.blocks.len());
     let plausible = PLAUSIBLE / design.variance();
     let scores_of = |ridge: f64| {
         let left = projected.left_out(design, outputs, ridge)?;
         let dual = design.dual(&projected.all, |_| ridge);
         let squared_norms = design.squared_norms(&dual);
-        let rounding = rounding.added(&dual);
-        let score = |(output, rounding): (usize, f64)| {
+        let rounded = &terms * &dual;
+        let score = |output: usize| {
             if squared_norms[output] > plausible * outputs.all.col(output).squared_norm_l2() {
                 return f64::INFINITY;
             }
+            let rounding = rounded.col(output).squared_norm_l2();
             power_mean(left.iter().map(|left| left.col(output).squared_norm_l2() + rounding))
         };
-        Some(RidgeScores { ridge, scores: rounding.into_iter().enumerate().map(score).collect() })
+        Some((0..outputs.all.ncols()).map(|output| (ridge, score(output))).collect::<Vec<_>>())
     };
-    let mut tried = Vec::<RidgeScores>::new();
-    let mut best = None;
-    for at in RIDGES.into_iter().rev().filter_map(scores_of) {
-        let ridge = at.ridge;
-        tried.push(at);
-        let found: Vec<(f64, f64)> = (0..outputs.all.ncols())
-            .map(|output| best_ridge(&tried, output))
-            .collect::<Option<_>>()?;
-        let is_past = found.iter().all(|found| found.0 > ridge);
-        best = Some(found);
+    let better = |(old, new): ((f64, f64), (f64, f64))| match new.1.total_cmp(&old.1) {
+        Ordering::Less => new,
+        _ => old,
+    };
+    // Ridge and score of each output. Of equal scores, the larger ridge remains.
+    let mut best: Option<Vec<(f64, f64)>> = None;
+    for ridge in RIDGES.into_iter().rev() {
+        let Some(found) = scores_of(ridge) else { continue };
+        let kept: Vec<_> = match best.take() {
+            Some(old) => old.into_iter().zip(found).map(better).collect(),
+            None => found,
+        };
+        let is_past = kept.iter().all(|kept| kept.0 > ridge);
+        best = Some(kept);
         if is_past {
             break;
         }
@@ -100,7 +106,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     distinct.sort_by(f64::total_cmp);
     distinct.dedup();
     let mut squared = vec![0.0; outputs.blocks.len()];
-    let part = |block: &Block| (design.rows(block), block.rows(&outputs.all));
+    let part = |block: &Block| (block.rows(&design.directions), block.rows(&outputs.all));
     let parts: Vec<(Mat<f64>, Mat<f64>)> = outputs.parts.iter().map(part).collect();
     for ridge in distinct {
         let own: Vec<usize> = (0..ridges.len()).filter(|&o| ridges[o] == ridge).collect();
@@ -160,8 +166,8 @@ struct Projected {
 
 impl Projected {
     fn new(design: &Design<'_>, outputs: &Outputs) -> Self {
-        let blocks = outputs.blocks.iter().map(|block| design.rows(block)).collect();
-        Self { all: design.project(&outputs.all), blocks }
+        let blocks = outputs.blocks.iter().map(|block| block.rows(&design.directions)).collect();
+        Self { all: design.directions.transpose() * &outputs.all, blocks }
     }
 
     /// Returns the errors of the samples of each block, predicted by the rest.
@@ -179,38 +185,17 @@ impl Projected {
     }
 }
 
-/// Error that rounding to f32 adds to the scores of outputs.
-struct Rounding {
-    /// Rounding error of each centre's term for each of a design's directions, centres + 1 x k.
-    terms: Mat<f64>,
-}
-
-impl Rounding {
-    fn new(design: &Design<'_>, blocks: usize) -> Self {
-        let samples = design.sample_len() as f64 / blocks as f64;
-        let mut terms = design.directions_at_centres();
-        for (mut row, term) in terms.row_iter_mut().zip(design.terms()) {
-            row *= faer::Scale(samples.sqrt() * TERM * U * term);
-        }
-        Self { terms }
+/// Returns the error that rounding to f32 adds to each centre's term, for each of a design's directions: centres + 1 x
+/// k.
+///
+/// - `blocks`: number of blocks; the error counts for the samples of one block.
+fn rounded_terms(design: &Design<'_>, blocks: usize) -> Mat<f64> {
+    let samples = design.sample_len() as f64 / blocks as f64;
+    let mut terms = design.directions_at_centres();
+    for (mut row, term) in terms.row_iter_mut().zip(design.terms()) {
+        row *= faer::Scale(samples.sqrt() * TERM * U * term);
     }
-
-    /// Returns the added error of each output, from the coefficients of its directions.
-    fn added(&self, dual: &Mat<f64>) -> Vec<f64> {
-        (&self.terms * dual).col_iter().map(|output| output.squared_norm_l2()).collect()
-    }
-}
-
-/// Scores of the outputs at one ridge.
-struct RidgeScores {
-    ridge: f64,
-    scores: Vec<f64>,
-}
-
-/// Returns the ridge with the best score of an output, and that score. The largest ridge was tried first.
-fn best_ridge(tried: &[RidgeScores], output: usize) -> Option<(f64, f64)> {
-    let of = tried.iter().map(|at| (at.ridge, at.scores[output]));
-    of.min_by(|a, b| a.1.total_cmp(&b.1))
+    terms
 }
 
 #[cfg(test)]

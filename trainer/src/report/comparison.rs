@@ -5,7 +5,7 @@ use crate::evaluate::{
     Baseline, Baselines, Character, Evaluation, Frames, LBS, Measured, MeasuredBaseline,
     OWN_WEIGHTS, TrainingRecord,
 };
-use crate::examples::{Clip, Examples, Split};
+use crate::examples::{Clip, Examples, FrameName, Split};
 use crate::space::beside;
 
 /// Examples and their names in a report.
@@ -204,22 +204,17 @@ impl NamedExamples<'_> {
 
     /// Returns the source's number of a frame, or the frame index if the source has no number.
     pub fn number(&self, frame: usize) -> i64 {
-        self.own_number(frame).unwrap_or(frame as i64)
-    }
-
-    fn own_number(&self, frame: usize) -> Option<i64> {
-        let clip = &self.clips[self.clip_of(frame)?];
-        clip.number(frame - clip.first)
+        FrameName::new(self.clips, frame).number.unwrap_or(frame as i64)
     }
 
     /// Names a frame: the number and, with several clips, the clip. Without a source number the place in the clip is
     /// added.
     pub fn label(&self, frame: usize) -> String {
-        let several = self.clip_of(frame).filter(|_| self.clips.len() > 1);
-        match (self.own_number(frame), several.map(|clip| &self.clips[clip])) {
-            (Some(number), Some(clip)) => format!("frame {number} ({})", clip.name),
+        let FrameName { number, clip, .. } = FrameName::new(self.clips, frame);
+        match (number, clip) {
+            (Some(number), Some((clip, _))) => format!("frame {number} ({clip})"),
             (Some(number), None) => format!("frame {number}"),
-            (None, Some(clip)) => format!("frame {frame} ({}, {})", clip.name, frame - clip.first),
+            (None, Some((clip, place))) => format!("frame {frame} ({clip}, {place})"),
             (None, None) => format!("frame {frame}"),
         }
     }

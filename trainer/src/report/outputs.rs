@@ -1,9 +1,9 @@
 //! Outputs for other tools: errors by frame as CSV, errors by vertex as PLY, and the measured frames as a GIF.
 
-use super::comparison::Comparison;
+use super::comparison::{Comparison, Series};
 use super::pictures::{Paint, PictureOptions, Pictures, Shape};
 use crate::Error;
-use crate::evaluate::Millimetres;
+use crate::evaluate::{Errors, Millimetres};
 use crate::page::camera::Camera;
 use crate::page::colour::Scale;
 use crate::page::drawing::{Anchor, Drawing};
@@ -47,12 +47,11 @@ pub fn frames_csv(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
         for (series, _) in &order {
             let (errors, frame) =
                 (series.measured.errors_in(place), &series.measured.frames[place]);
-            row.extend(
-                [errors.rms_percent, errors.p99_percent, errors.max_percent].map(|e| e.to_string()),
-            );
+            let Errors { rms_percent, p99_percent, max_percent, millimetres, .. } = errors;
+            row.extend([rms_percent, p99_percent, max_percent].map(|error| error.to_string()));
             row.push(frame.worst_vertex().to_string());
             row.extend(series.model().map(|_| frame.confidence.to_string()));
-            if let Some(Millimetres { rms_mm, p99_mm, max_mm }) = errors.millimetres {
+            if let Some(Millimetres { rms_mm, p99_mm, max_mm }) = millimetres {
                 row.extend([rms_mm, p99_mm, max_mm].map(|length| length.to_string()));
             }
         }
@@ -116,12 +115,12 @@ pub fn frames_gif(
     let width = options.width / (series.len() + 1);
     let all = shapes.iter().flatten().flat_map(|shape| &shape.positions);
     let camera = Camera::fit(&pictures.view, all, width);
-    let errors = series.iter().map(|series| series.measured.errors());
-    let errors: Vec<_> = errors.collect();
+    let errors: Vec<_> = series.iter().map(|series| series.measured.errors()).collect();
     let scale = Scale::of(errors.iter().map(|errors| &errors.max_percent));
-    let captions = series.iter().zip(&errors);
-    let captions =
-        captions.map(|(series, own)| format!("{}: {:.3} %", series.name, own.rms_percent));
+    let caption = |(series, own): (&Series<'_>, &Errors)| {
+        format!("{}: {:.3} %", series.name, own.rms_percent)
+    };
+    let captions = series.iter().zip(&errors).map(caption);
     let captions: Vec<String> = std::iter::once("truth".to_owned()).chain(captions).collect();
     let height = camera.size.height as f64;
     let drawn = shapes.par_iter().enumerate().map(|(place, shapes)| {

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::envelope::normals::TrueNormals;
 use crate::evaluate::skin;
 use crate::examples::Examples;
-use crate::numeric::columns::largest;
+use crate::numeric::columns::{ends, largest};
 use crate::page::camera::{Camera, Resolution, View};
 use crate::page::chart::colour_bar;
 use crate::page::colour::{Colour, Scale};
@@ -15,7 +15,6 @@ use crate::page::render::{Look, ShadedMesh};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use sinew_runtime::format::Axis;
-use std::fmt::Write;
 
 /// Width of a trial picture, in pixels.
 const TRIAL: usize = 160;
@@ -38,8 +37,6 @@ const CLAY: Colour = [0xd8, 0xcf, 0xc3];
 pub struct PictureOptions {
     /// Width of a picture, in pixels.
     pub width: usize,
-    /// Up axis. The default is that of the examples, else z if the character is longest along z, else y.
-    pub up: Option<Axis>,
     /// Azimuth and elevation in degrees, as in [`View`]. The default is a view from the front or the back, whichever
     /// shows more of the error.
     pub from: Option<(f64, f64)>,
@@ -47,13 +44,14 @@ pub struct PictureOptions {
 
 impl Default for PictureOptions {
     fn default() -> Self {
-        Self { width: 620, up: None, from: None }
+        Self { width: 620, from: None }
     }
 }
 
 /// Draws a report's pictures.
 pub(super) struct Pictures<'a> {
-    comparison: &'a Comparison<'a>,
+    /// The models and their errors.
+    pub(super) comparison: &'a Comparison<'a>,
     width: usize,
     /// Direction of the camera.
     pub(super) view: View,
@@ -85,7 +83,7 @@ impl<'a> Pictures<'a> {
     /// Finds the worst frame and the camera's direction.
     pub(super) fn new(comparison: &'a Comparison<'a>, options: &PictureOptions) -> Self {
         let space = comparison.source.examples.space;
-        let up = options.up.or(space.up).unwrap_or_else(|| upright(comparison.source.examples));
+        let up = space.up.unwrap_or_else(|| upright(comparison.source.examples));
         let (azimuth, elevation) = options.from.unwrap_or_default();
         let worst = comparison.model.measured.worst();
         let width = options.width;
@@ -143,25 +141,17 @@ impl<'a> Pictures<'a> {
         let centre = shape.positions[surface.first_copies()[vertex]];
         let errors = surface.copied(errors);
         let radius = NEAR * self.comparison.model.measured.diagonal;
-        let weights: Vec<f64> = shape
-            .positions
-            .iter()
-            .zip(&errors)
-            .map(|(p, error)| {
-                let squared = (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum::<f64>();
-                error * error / (1.0 + squared / (0.2 * radius).powi(2)).powi(2)
-            })
-            .collect();
+        let weight = |(p, error): (&[f64; 3], &f64)| {
+            let squared = (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum::<f64>();
+            error * error / (1.0 + squared / (0.2 * radius).powi(2)).powi(2)
+        };
+        let weights: Vec<f64> = shape.positions.iter().zip(&errors).map(weight).collect();
         let following = self.following(shape);
-        let turns =
-            (0..12).flat_map(|turn| [10.0, -25.0, 45.0].map(|e| (30.0 * f64::from(turn), e)));
-        let views: Vec<View> = turns
-            .map(|(azimuth, elevation)| View {
-                azimuth: following.azimuth + azimuth,
-                elevation,
-                ..following
-            })
-            .collect();
+        let views = (0..12).flat_map(|turn| {
+            let azimuth = following.azimuth + 30.0 * f64::from(turn);
+            [10.0, -25.0, 45.0].map(|elevation| View { azimuth, elevation, ..following })
+        });
+        let views: Vec<View> = views.collect();
         let side = |width| Resolution { width, height: width };
         let seen = views.par_iter().map(|view| {
             let camera = Camera::around(view, &centre, radius, side(TRIAL));
@@ -191,10 +181,9 @@ impl<'a> Pictures<'a> {
             let Resolution { width, height } = camera.size;
             let ring = RING * width as f64;
             let slack = SLACK * self.comparison.model.measured.diagonal;
-            let class =
-                if self.mesh(shape).hides(vertex, slack, camera) { "hidden" } else { "seen" };
-            let _ = write!(
-                over,
+            let is_hidden = self.mesh(shape).hides(vertex, slack, camera);
+            let class = if is_hidden { "hidden" } else { "seen" };
+            over = format!(
                 "<svg viewBox=\"0 0 {width} {height}\" aria-hidden=\"true\"><g \
                  class=\"{class}\"><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{ring:.1}\"/><circle cx=\"{x:.1}\" \
                  cy=\"{y:.1}\" r=\"{ring:.1}\"/></g></svg>"
@@ -251,7 +240,8 @@ impl<'a> Pictures<'a> {
         let [width, depth] = [0, 2].map(|axis| {
             let along = level.axes()[axis];
             let places = examples.rest.iter().map(|p| along.dot(&Vector3::from(*p)));
-            places.clone().fold(f64::MIN, f64::max) - places.fold(f64::MAX, f64::min)
+            let [low, high] = ends(&places.collect::<Vec<_>>());
+            high - low
         });
         let front = if depth <= width { 0.0 } else { 90.0 };
         let views: Vec<View> = [25.0, -25.0, 205.0, 155.0]

@@ -26,18 +26,10 @@ pub(super) struct Sizes {
     pub(super) shared_seconds: f64,
     /// Whether the trainings read the measured frames, because the model read no others.
     pub(super) seen: bool,
-    /// The trainings, by ascending number of proxies.
-    pub(super) trials: Vec<SizeTrial>,
+    /// The trainings, by ascending number of proxies: the requested number, and the result.
+    pub(super) trials: Vec<(usize, Result<Outcome, Error>)>,
     /// Near-rigid vertices of the training with the model's number of proxies, V; `None` without a reconstruction.
     pub(super) near_rigid: Option<Vec<bool>>,
-}
-
-/// A training with one number of proxies.
-pub(super) struct SizeTrial {
-    /// Requested number of proxies.
-    pub(super) proxies: usize,
-    /// Result of the training.
-    pub(super) outcome: Result<Outcome, Error>,
 }
 
 /// Result of a training.
@@ -79,7 +71,7 @@ impl Sizes {
         for (number, &proxies) in counts.iter().enumerate() {
             progress.part(number + 1, counts.len());
             let outcome = sizes.attempt(comparison, &training, proxies, progress);
-            sizes.trials.push(SizeTrial { proxies, outcome });
+            sizes.trials.push((proxies, outcome));
         }
         Ok(sizes)
     }
@@ -98,7 +90,7 @@ impl Sizes {
             influences: skin.influence_len(),
             ..Options::default()
         };
-        let stopwatch = Stopwatch::new(progress);
+        let stopwatch = Stopwatch { others: progress, begun: Mutex::default() };
         let begun = Instant::now();
         let Trained { model, report, .. } = choose(training, &options, &stopwatch)?;
         let (seconds, steps) = (begun.elapsed().as_secs_f64(), stopwatch.finish());
@@ -146,12 +138,7 @@ struct Stopwatch<'a> {
     begun: Mutex<Vec<(&'static str, Instant)>>,
 }
 
-impl<'a> Stopwatch<'a> {
-    /// Starts the stopwatch.
-    fn new(others: &'a dyn Progress) -> Self {
-        Self { others, begun: Mutex::default() }
-    }
-
+impl Stopwatch<'_> {
     /// Stops, and returns the seconds of each step in the order of their first start. Time before the first step is not
     /// counted.
     fn finish(self) -> Vec<(&'static str, f64)> {
@@ -192,7 +179,7 @@ mod tests {
 
     #[test]
     fn seconds_of_a_repeated_step_are_summed() {
-        let stopwatch = Stopwatch::new(&Silent);
+        let stopwatch = Stopwatch { others: &Silent, begun: Mutex::default() };
         for (name, milliseconds) in [("a", 30), ("b", 10), ("a", 30)] {
             stopwatch.step(name, 1);
             sleep(Duration::from_millis(milliseconds));

@@ -4,18 +4,18 @@ use super::bake::part;
 use super::model::{
     Figures, Input, InputKind, KernelModel, Output, OutputKind, features, query_numbers,
 };
+use super::solver::refusal::Refusal;
 use super::sum::KernelSum;
 use crate::Error;
 use crate::bake::bake;
 use crate::regression::confidence::Fade;
-use crate::regression::function::is_scale_invariant;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
-use std::fmt::{Display, Formatter};
+use std::fmt::Display;
 use std::ops::Range;
 
 /// Default limit of a baked function's deviation, over the value's range.
@@ -38,7 +38,7 @@ pub struct Probe {
     /// Range of each value, m.
     ranges: Vec<f64>,
     /// Largest allowed deviation, over the range.
-    limit: f64,
+    pub(super) limit: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -47,78 +47,6 @@ struct Query {
     numbers: Vec<f32>,
     /// Features in f64.
     features: Vec<f64>,
-}
-
-/// Deviation of a file that is above the limit.
-#[derive(Debug)]
-pub(crate) struct Deviation {
-    /// Largest measured deviation, over the range.
-    pub(crate) deviation: f64,
-    /// Largest allowed deviation.
-    pub(crate) limit: f64,
-    /// Cause of the deviation.
-    pub(crate) cause: DeviationCause,
-}
-
-/// Cause of a file's deviation; its text is the remedy.
-#[derive(Debug)]
-pub(crate) enum DeviationCause {
-    /// Rounding an input to f32 exceeds the limit.
-    Input {
-        /// Name of the input.
-        name: String,
-        /// Largest number of the input.
-        largest: f64,
-    },
-    /// Rounding a value to f32 exceeds the limit.
-    Values {
-        /// Largest value.
-        largest: f64,
-        /// Range of the value.
-        range: f64,
-    },
-    /// The kernels are too wide or too smooth.
-    Kernel {
-        /// Kernel of the fit.
-        kernel: Kernel,
-        /// Options that fit, if they are known.
-        other: Option<String>,
-    },
-}
-
-impl Display for DeviationCause {
-    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Input { name, largest } => write!(
-                to,
-                "take the offset off the input \"{name}\" (numbers up to {largest:.3e} do not fit single precision)"
-            ),
-            Self::Values { largest, range } => write!(
-                to,
-                "take the offset off the values (numbers up to {largest:.3e} with a range of {range:.3e} do not fit \
-                 single precision)"
-            ),
-            Self::Kernel { kernel, other } => {
-                let other = other.as_ref();
-                let other =
-                    other.map_or(String::new(), |other| format!("{other}, which fits, or "));
-                let narrower = match is_scale_invariant(*kernel) {
-                    true => "",
-                    false => "a narrower kernel (a larger epsilon, a shorter length) or ",
-                };
-                write!(
-                    to,
-                    "take {other}{narrower}a rougher kernel, smooth more, take fewer centres"
-                )
-            }
-        }
-    }
-}
-
-impl From<Deviation> for Error {
-    fn from(Deviation { deviation, limit, cause }: Deviation) -> Self {
-        too_far(deviation, limit, cause)
-    }
 }
 
 /// Returns the error of a file's deviation above the limit.
@@ -164,11 +92,6 @@ impl Probe {
         Ok(Self { inputs, sites, queries, ranges, limit })
     }
 
-    /// Returns the largest allowed deviation, over the range.
-    pub fn limit(&self) -> f64 {
-        self.limit
-    }
-
     /// Measures the largest deviation of a baked function from f64, over the value's range.
     ///
     /// The deviation is infinite if the file contains or returns a number that is not finite.
@@ -202,22 +125,13 @@ impl Probe {
         sum: &KernelSum,
         exact: impl Fn(&[f64]) -> Vec<f64> + Sync,
     ) -> Result<f64, Error> {
-        Ok(self.within_limit(sum, exact)?)
-    }
-
-    /// Checks as [`Self::check`]; an error keeps its cause.
-    pub(super) fn within_limit(
-        &self,
-        sum: &KernelSum,
-        exact: impl Fn(&[f64]) -> Vec<f64> + Sync,
-    ) -> Result<f64, Deviation> {
         match self.deviation(sum, &exact) {
             deviation if deviation <= self.limit => Ok(deviation),
             deviation => Err(self.refusal(deviation, sum.kernel, exact)),
         }
     }
 
-    /// Returns a deviation above the limit, with its cause.
+    /// Returns the error of a deviation above the limit.
     ///
     /// An input or a value is the cause if rounding it to f32 alone changes the exact function by more than the limit.
     ///
@@ -227,7 +141,7 @@ impl Probe {
         deviation: f64,
         kernel: Kernel,
         exact: impl Fn(&[f64]) -> Vec<f64>,
-    ) -> Deviation {
+    ) -> Error {
         let mut first = 0;
         let own = self.inputs.iter().map(|input| {
             let own = first..first + input.kind.number_len();
@@ -246,16 +160,20 @@ impl Probe {
             (share, largest_magnitude(values.iter().map(|all| &all[o])), self.ranges[o])
         };
         let value = (0..self.ranges.len()).map(of_value).max_by(|a, b| a.0.total_cmp(&b.0));
-        let cause = match (most, value) {
-            (Some((input, share, largest)), _) if share > self.limit => {
-                DeviationCause::Input { name: input.name.clone(), largest }
+        let limit = self.limit;
+        let (whose, largest, with) = match (most, value) {
+            (Some((Input { name, .. }, share, largest)), _) if share > limit => {
+                (format!("the input \"{name}\""), largest, String::new())
             }
-            (_, Some((share, largest, range))) if share > self.limit => {
-                DeviationCause::Values { largest, range }
+            (_, Some((share, largest, range))) if share > limit => {
+                ("the values".to_owned(), largest, format!(" with a range of {range:.3e}"))
             }
-            _ => DeviationCause::Kernel { kernel, other: None },
+            _ => return Refusal::Deviation { deviation, limit, kernel }.into(),
         };
-        Deviation { deviation, limit: self.limit, cause }
+        let remedy = format!(
+            "take the offset off {whose} (numbers up to {largest:.3e}{with} do not fit single precision)"
+        );
+        too_far(deviation, limit, remedy)
     }
 
     /// Measures the change of the exact function if some numbers of a site are rounded to f32.
@@ -284,15 +202,14 @@ impl Probe {
 
     /// Makes a model whose outputs are the function's values, without bounds or a fade.
     fn model(&self, sum: &KernelSum) -> KernelModel {
-        let [low, high] = [f32::MIN, f32::MAX].map(f64::from);
-        let kind = OutputKind::Scalar { low, high, normalised: false, neutral: 0.0 };
-        let value = |_| Output { name: String::new(), kind };
+        let range = [f32::MIN, f32::MAX].map(f64::from);
+        let value = |_| Output { name: String::new(), kind: OutputKind::FREE };
         KernelModel {
             name: String::new(),
             inputs: self.inputs.clone(),
             outputs: (0..sum.value_len()).map(value).collect(),
             sum: sum.clone(),
-            ranges: vec![[low, high]; sum.shift.len()],
+            ranges: vec![range; sum.shift.len()],
             query: QueryRule::Free,
             fade: Fade { start: 0.0, end: 0.0 },
             normalise: Normalise::Never,

@@ -30,3 +30,10 @@ pub mod problem;
 pub mod solver;
 pub mod sum;
 pub mod train;
+
+use faer::Mat;
+
+/// Makes a matrix of rows of equal length.
+fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
+    Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, c| rows[i][c])
+}

@@ -1,5 +1,6 @@
 //! Pictures of functions of one or two numbers, side by side.
 
+use super::matrix;
 use super::solver::fit::Fit;
 use super::solver::options::Options;
 use super::solver::samples::{Conflicts, Samples};
@@ -193,10 +194,9 @@ pub fn all_kernels(
     points: &[Vec<f64>],
 ) -> Vec<(String, Vec<f64>)> {
     let d = sites.first().map_or(0, Vec::len);
-    let places = Mat::from_fn(sites.len(), d, |i, c| sites[i][c]);
     let values = Mat::from_fn(values.len(), 1, |i, _| values[i]);
     let blocks = vec![Block { len: 1, weight: 1.0 }; d];
-    let Ok(samples) = Samples::new(&places, &values, &blocks, Conflicts::Average) else {
+    let Ok(samples) = Samples::new(&matrix(sites), &values, &blocks, Conflicts::Average) else {
         return Vec::new();
     };
     let solvable = Kernel::ALL.into_iter().filter(|kernel| order(*kernel).is_some());

@@ -7,7 +7,7 @@ use super::functional::Functional;
 use super::grid::Sample;
 use super::kriging::{Mean, Process, gram};
 use super::repeated::least_distance;
-use super::table::{Estimator, Table, autocovariance};
+use super::table::{Table, autocovariance};
 use crate::Error;
 use crate::numeric::columns::ends;
 use faer::linalg::solvers::{DenseSolveCore, Llt};
@@ -34,6 +34,10 @@ const PIVOT: f64 = 1e-6;
 const SHARE: usize = 4;
 const LAGS: usize = 256;
 
+/// Families that a kernel part can represent for values alone.
+pub(super) const OF_VALUES: [&str; 4] =
+    ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"];
+
 /// Default number of taps. More taps change images by less than 0.01 dB (*measured*).
 pub const TAPS: usize = 7;
 
@@ -56,36 +60,36 @@ pub fn best(samples: &[f64], sample: Sample) -> Result<Covariance, Error> {
     if samples.len() < 2 {
         return Err(too_short(samples.len(), 2));
     }
-    let mut best = Best::new(Covariance::OrnsteinUhlenbeck { length: 3.0 });
+    let usual = Covariance::OrnsteinUhlenbeck { length: 3.0 };
     if samples.iter().all(|x| *x == samples[0]) {
-        return Ok(best.covariance);
+        return Ok(usual);
     }
     let functionals = block(samples, sample);
-    let mut families: Vec<Best> = Vec::new();
-    for name in ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"] {
-        let mut own = Best::new(Covariance::OrnsteinUhlenbeck { length: 3.0 });
-        refine(
-            Ladder::of_samples(FIRST),
-            named(name, |covariance| own.offer_likely(&functionals, samples, covariance)),
-        );
-        families.push(own);
+    // Each family with the covariance to take if none of its covariances has a likelihood.
+    let mut families: Vec<(Vec<(Ladder, Covariance)>, Covariance)> = Vec::new();
+    for family in OF_VALUES.iter().filter_map(|name| Covariance::named(name, &[1.0])) {
+        families.push((vec![(Ladder::of_samples(FIRST), family)], usual.clone()));
     }
     if let Some(period) = period(samples) {
-        let mut own = Best::new(Covariance::Oscillating { length: period, period });
-        for step in -PERIODS..=PERIODS {
+        let of_period = |step: i32| {
             let period = period * PERIOD_RATIO.powi(step);
-            refine(Ladder::of_samples(FIRST.max(0.5 * period)), |length| {
-                let covariance = Covariance::Oscillating { length, period };
-                own.offer_likely(&functionals, samples, covariance)
-            });
+            let ladder = Ladder::of_samples(FIRST.max(0.5 * period));
+            (ladder, Covariance::Oscillating { length: period, period })
+        };
+        let middle = Covariance::Oscillating { length: period, period };
+        families.push(((-PERIODS..=PERIODS).map(of_period).collect(), middle));
+    }
+    let mut best = (f64::NEG_INFINITY, usual);
+    for (family, otherwise) in families {
+        let found = likeliest_of(0.0, (&functionals, samples), family, |_| true);
+        let covariance = found.unwrap_or(otherwise);
+        let block = Block::new(&functionals, &covariance, 0.0);
+        let score = block.map_or(f64::NEG_INFINITY, |block| -block.left_out(samples));
+        if score > best.0 {
+            best = (score, covariance);
         }
-        families.push(own);
     }
-    for Best { covariance, .. } in families {
-        let found = Block::new(&functionals, &covariance).map(|block| -block.left_out(samples));
-        best.offer(found, covariance);
-    }
-    Ok(best.covariance)
+    Ok(best.1)
 }
 
 /// Geometric sequence of lengths to try.
@@ -119,31 +123,31 @@ impl Ladder {
     }
 
     /// Returns the sequence for a family; exact sequences depend on the family's kernel.
-    fn of(self, name: &str) -> Self {
-        let one = Covariance::named(name, &[1.0]).and_then(|one| one.kernel());
+    fn of(self, family: &Covariance) -> Self {
+        let one = family.with_length(1.0).kernel();
         let Some((_, factor)) = one.filter(|_| self.exact) else { return self };
         Self { first: factor / libm::exp2(libm::log2(factor / self.first).round()), ..self }
     }
 }
 
-/// Chooses the likeliest covariance of scattered observations among named families. There are too few observations, in
-/// too many units, for a left-out error. `None` if no covariance is accepted.
+/// Chooses the likeliest covariance of observations among families, each with the lengths to try; the length of a
+/// given covariance does not matter. Scattered observations are too few, in too many units, for a left-out error.
+/// `None` if no covariance is accepted.
 ///
 /// - `noise`: τ.
 /// - `sound`: accepts or rejects a covariance, for example if its function cannot be solved for.
 pub fn likeliest_of(
     noise: f64,
     (functionals, values): (&[Functional], &[f64]),
-    names: &[&str],
-    ladder: Ladder,
+    families: impl IntoIterator<Item = (Ladder, Covariance)>,
     mut sound: impl FnMut(&Covariance) -> bool,
 ) -> Option<Covariance> {
     let mut best: Option<(f64, Covariance)> = None;
-    for name in names {
-        let offer = |covariance: Covariance| {
-            let found = Block::with_noise(functionals, &covariance, noise);
-            let found = found.map(|block| block.likelihood(values));
-            let score = found.unwrap_or(f64::NEG_INFINITY);
+    for (ladder, family) in families {
+        refine(ladder.of(&family), |length| {
+            let covariance = family.with_length(length);
+            let block = Block::new(functionals, &covariance, noise);
+            let score = block.map_or(f64::NEG_INFINITY, |block| block.likelihood(values));
             let beats = best.as_ref().is_none_or(|(best, _)| score > *best);
             if beats && score > f64::NEG_INFINITY {
                 if !sound(&covariance) {
@@ -152,8 +156,7 @@ pub fn likeliest_of(
                 best = Some((score, covariance));
             }
             score
-        };
-        refine(ladder.of(name), named(name, offer));
+        });
     }
     best.map(|(_, covariance)| covariance)
 }
@@ -168,7 +171,7 @@ pub fn unit(functionals: &[Functional]) -> f64 {
 
 /// Estimates the likeliest variance of a signal's process; 0 if rounding makes the covariance singular.
 pub fn variance(samples: &[f64], sample: Sample, covariance: &Covariance) -> f64 {
-    let block = Block::new(&block(samples, sample), covariance);
+    let block = Block::new(&block(samples, sample), covariance, 0.0);
     block.map_or(0.0, |block| block.variance(samples))
 }
 
@@ -179,40 +182,8 @@ pub fn variance(samples: &[f64], sample: Sample, covariance: &Covariance) -> f64
 /// Errors of [`Table::new`].
 pub fn estimated(samples: &[f64]) -> Result<(Covariance, f64), Error> {
     let lags = (samples.len() / SHARE).clamp(2, LAGS);
-    let (table, clipped) = Table::new(&autocovariance(samples, lags, Estimator::Biased), 1.0)?;
+    let (table, clipped) = Table::new(&autocovariance(samples, lags), 1.0)?;
     Ok((Covariance::Table(table), clipped))
-}
-
-/// The covariance with the largest score so far.
-struct Best {
-    score: f64,
-    covariance: Covariance,
-}
-
-impl Best {
-    fn new(covariance: Covariance) -> Self {
-        Self { score: f64::NEG_INFINITY, covariance }
-    }
-
-    /// Scores a covariance by its likelihood.
-    fn offer_likely(&mut self, of: &[Functional], values: &[f64], covariance: Covariance) -> f64 {
-        let found = Block::new(of, &covariance).map(|block| block.likelihood(values));
-        self.offer(found, covariance)
-    }
-
-    /// Keeps the covariance if its score is the largest so far. Returns the score; minus infinity for `None`.
-    fn offer(&mut self, score: Option<f64>, covariance: Covariance) -> f64 {
-        let score = score.unwrap_or(f64::NEG_INFINITY);
-        if score > self.score {
-            (self.score, self.covariance) = (score, covariance);
-        }
-        score
-    }
-}
-
-/// Turns a function of covariances into a function of one family's length.
-fn named(name: &str, mut offer: impl FnMut(Covariance) -> f64) -> impl FnMut(f64) -> f64 {
-    move |length| Covariance::named(name, &[length]).map_or(f64::NEG_INFINITY, &mut offer)
 }
 
 /// Lists the functionals that the samples of the first block observe.
@@ -220,8 +191,8 @@ fn block(samples: &[f64], sample: Sample) -> Vec<Functional> {
     (0..samples.len().min(BLOCK)).map(|i| sample.functional(i, 0, 1)).collect()
 }
 
-/// Maximises a function of length: along the sequence, then in shrinking steps around the best. Returns the maximum.
-fn refine(Ladder { first, ratio, len, .. }: Ladder, mut of: impl FnMut(f64) -> f64) -> f64 {
+/// Evaluates a function of length along the sequence, then in shrinking steps around its maximum.
+fn refine(Ladder { first, ratio, len, .. }: Ladder, mut of: impl FnMut(f64) -> f64) {
     let mut best = (f64::NEG_INFINITY, first);
     for step in 0..len {
         let length = first * ratio.powi(step as i32);
@@ -236,7 +207,6 @@ fn refine(Ladder { first, ratio, len, .. }: Ladder, mut of: impl FnMut(f64) -> f
         }
         ratio = ratio.sqrt();
     }
-    best.0
 }
 
 /// Factored covariance matrix of a block of observations.
@@ -248,12 +218,7 @@ struct Block {
 
 impl Block {
     /// Factors the covariance matrix of observations; `None` if rounding makes the matrix singular.
-    fn new(functionals: &[Functional], covariance: &Covariance) -> Option<Self> {
-        Self::with_noise(functionals, covariance, 0.0)
-    }
-
-    /// Factors the covariance matrix of noisy observations; `None` if rounding makes the matrix singular.
-    fn with_noise(functionals: &[Functional], covariance: &Covariance, noise: f64) -> Option<Self> {
+    fn new(functionals: &[Functional], covariance: &Covariance, noise: f64) -> Option<Self> {
         let process = Process { covariance: covariance.clone(), mean: Mean::Constant, noise };
         let matrix = gram(&process, functionals);
         let llt = matrix.llt(Side::Lower).ok()?;
@@ -371,7 +336,7 @@ mod tests {
         let covariance = Covariance::Matern32 { length: 1.7 };
         let samples = drawn(&covariance, 7, 3);
         let functionals = block(&samples, Sample::Value);
-        let found = Block::new(&functionals, &covariance).unwrap().left_out(&samples);
+        let found = Block::new(&functionals, &covariance, 0.0).unwrap().left_out(&samples);
         let process = Process { covariance, mean: Mean::Constant, noise: 0.0 };
         let missed = (0..7).map(|i| {
             let others: Vec<usize> = (0..7).filter(|k| *k != i).collect();

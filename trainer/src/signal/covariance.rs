@@ -1,12 +1,10 @@
 //! Covariances of stationary processes, in f64 (METHOD §4): the correlation of two values as a function of their signed
 //! distance. Families with parameters, and tables made positive definite.
 
-use super::faults::{check_positive, no_observations, wrong_number};
+use super::faults::check_positive;
+use super::table::Table;
 use crate::Error;
 use sinew_runtime::kernel::Kernel;
-
-/// Length of the circle on which the spectrum is computed, as a multiple of the number of lags.
-const ROOM: usize = 8;
 
 /// An even, positive definite function C of a signed distance d, with C(0) = 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,14 +38,6 @@ pub enum Covariance {
     },
     /// Values at even distances, interpolated linearly.
     Table(Table),
-}
-
-/// C at even distances, interpolated linearly, and 0 beyond the last: positive definite for places within that
-/// distance.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Table {
-    values: Vec<f64>,
-    step: f64,
 }
 
 /// Use of a covariance.
@@ -157,7 +147,7 @@ impl Covariance {
             | Self::Matern32 { length }
             | Self::Matern52 { length } => 0.5 * length,
             Self::Oscillating { length, period } => 0.25 * length.min(*period),
-            Self::Table(table) => table.step(),
+            Self::Table(table) => table.step,
         }
     }
 
@@ -185,19 +175,30 @@ impl Covariance {
 
     /// Converts to another unit of distance, in which distances are `times` as large.
     pub fn scaled(&self, times: f64) -> Self {
-        match self.clone() {
-            Self::SquaredExponential { length } => {
-                Self::SquaredExponential { length: times * length }
-            }
-            Self::OrnsteinUhlenbeck { length } => {
-                Self::OrnsteinUhlenbeck { length: times * length }
-            }
-            Self::Matern32 { length } => Self::Matern32 { length: times * length },
-            Self::Matern52 { length } => Self::Matern52 { length: times * length },
-            Self::Oscillating { length, period } => {
-                Self::Oscillating { length: times * length, period: times * period }
-            }
-            Self::Table(table) => Self::Table(table.scaled(times)),
+        let mut out = self.clone();
+        if let Self::Table(table) = &mut out {
+            table.step *= times;
+        }
+        out.parameters().into_iter().for_each(|(_, number)| *number *= times);
+        out
+    }
+
+    /// Returns the family's covariance of another length.
+    pub(super) fn with_length(&self, length: f64) -> Self {
+        let mut out = self.clone();
+        out.parameters().into_iter().take(1).for_each(|(_, number)| *number = length);
+        out
+    }
+
+    /// Lists the length and the period with their names; a table has none.
+    fn parameters(&mut self) -> Vec<(&'static str, &mut f64)> {
+        match self {
+            Self::SquaredExponential { length }
+            | Self::OrnsteinUhlenbeck { length }
+            | Self::Matern32 { length }
+            | Self::Matern52 { length } => vec![("length", length)],
+            Self::Oscillating { length, period } => vec![("length", length), ("period", period)],
+            Self::Table(_) => Vec::new(),
         }
     }
 
@@ -215,21 +216,14 @@ impl Covariance {
 
     /// Formats the name and parameters for [`Self::parse`].
     pub fn describe(&self) -> String {
-        let name = self.name();
-        let short = |x: &f64| match (1e-2..1e6).contains(x) {
+        let mut own = self.clone();
+        let short = |(_, x): (_, &mut f64)| match (1e-2..1e6).contains(&*x) {
             true => format!("{x:.4}"),
             false => format!("{x:.4e}"),
         };
-        match self {
-            Self::SquaredExponential { length }
-            | Self::OrnsteinUhlenbeck { length }
-            | Self::Matern32 { length }
-            | Self::Matern52 { length } => format!("{name}:{}", short(length)),
-            Self::Oscillating { length, period } => {
-                format!("{name}:{},{}", short(length), short(period))
-            }
-            Self::Table(_) => name.to_owned(),
-        }
+        let numbers: Vec<String> = own.parameters().into_iter().map(short).collect();
+        let colon = if numbers.is_empty() { "" } else { ":" };
+        self.name().to_owned() + colon + &numbers.join(",")
     }
 
     /// Parses a name with parameters: `matern 3/2:4`, `oscillating:8,3`.
@@ -262,102 +256,17 @@ impl Covariance {
     ///
     /// # Errors
     /// If a length or period is not.
-    pub(super) fn checked(self) -> Result<Self, Error> {
-        match &self {
-            Self::SquaredExponential { length }
-            | Self::OrnsteinUhlenbeck { length }
-            | Self::Matern32 { length }
-            | Self::Matern52 { length } => check_positive("length", *length)?,
-            Self::Oscillating { length, period } => {
-                check_positive("length", *length)?;
-                check_positive("period", *period)?;
-            }
-            Self::Table(_) => {}
+    pub(super) fn checked(mut self) -> Result<Self, Error> {
+        for (name, number) in self.parameters() {
+            check_positive(name, *number)?;
         }
         Ok(self)
-    }
-}
-
-impl Table {
-    /// Creates a table from covariances at lags 0, 1, 2, ... with distance `step`, normalised by the first. Also
-    /// returns the share of the spectrum that was negative and clipped.
-    ///
-    /// The spectrum of a sequence on a circle is its cosine transform. If the spectrum is nowhere negative, every
-    /// matrix of the sequence is positive definite. Linear interpolation keeps this property, because it multiplies the
-    /// spectrum by squares.
-    ///
-    /// # Errors
-    /// If there is no covariance, the step or first covariance is not above 0, a covariance is not finite, or clipping
-    /// leaves nothing.
-    pub fn new(lags: &[f64], step: f64) -> Result<(Self, f64), Error> {
-        check_positive("step", step)?;
-        check_positive("covariance at lag 0", *lags.first().ok_or_else(no_observations)?)?;
-        if let Some(&found) = lags.iter().find(|x| !x.is_finite()) {
-            return Err(wrong_number("covariance", "a finite number", found));
-        }
-        let len = (ROOM * lags.len()).next_power_of_two();
-        let mut circle = vec![0.0; len];
-        for (lag, value) in lags.iter().enumerate() {
-            circle[lag] = *value;
-            circle[(len - lag) % len] = *value;
-        }
-        let mut spectrum = transform(&circle);
-        let (mut negative, mut all) = (0.0, 0.0);
-        for power in &mut spectrum {
-            all += power.abs();
-            // Negative values from rounding alone do not count.
-            negative += if *power < -1e-12 * lags[0] * len as f64 { -*power } else { 0.0 };
-            *power = power.max(0.0);
-        }
-        let mut values = transform(&spectrum);
-        values.truncate(len / 2 + 1);
-        let first = values[0];
-        if first.is_nan() || first <= 0.0 {
-            return Err(Error::value("the table is not positive definite"));
-        }
-        values.iter_mut().for_each(|value| *value /= first);
-        Ok((Self { values, step }, negative / all))
-    }
-
-    /// Evaluates C(d).
-    fn value(&self, d: f64) -> f64 {
-        let at = d.abs() / self.step;
-        let (lag, share) = (at as usize, at.fract());
-        let of = |lag: usize| self.values.get(lag).copied().unwrap_or(0.0);
-        of(lag) * (1.0 - share) + of(lag + 1) * share
-    }
-
-    /// Returns the distance between neighbouring entries.
-    const fn step(&self) -> f64 {
-        self.step
-    }
-
-    /// Returns the distance beyond which C is 0.
-    fn reach(&self) -> f64 {
-        self.step * self.values.len() as f64
-    }
-
-    /// Converts to another unit of distance, in which distances are `times` as large.
-    fn scaled(mut self, times: f64) -> Self {
-        self.step *= times;
-        self
     }
 }
 
 /// Returns the phase at a distance, in radians.
 fn turns(d: f64, period: f64) -> f64 {
     std::f64::consts::TAU * d / period
-}
-
-/// Computes the cosine transform of an even sequence on a circle. Two transforms multiply the sequence by its length.
-fn transform(circle: &[f64]) -> Vec<f64> {
-    let len = circle.len();
-    let cosines: Vec<f64> =
-        (0..len).map(|k| libm::cos(std::f64::consts::TAU * k as f64 / len as f64)).collect();
-    let at = |frequency: usize| {
-        circle.iter().enumerate().map(|(k, x)| x * cosines[k * frequency % len]).sum()
-    };
-    (0..len).map(at).collect()
 }
 
 #[cfg(test)]
@@ -433,31 +342,6 @@ pub(super) mod tests {
                 error.message().contains(": expected a finite number above 0, found "),
                 "{error}"
             );
-        }
-    }
-
-    #[test]
-    fn a_definite_table_is_kept_and_an_indefinite_one_is_clipped() {
-        let triangle = [1.0, 0.75, 0.5, 0.25];
-        let (table, clipped) = Table::new(&triangle, 2.0).unwrap();
-        assert_eq!(clipped, 0.0);
-        for (lag, expected) in triangle.iter().enumerate() {
-            assert!((table.value(2.0 * lag as f64) - expected).abs() < 1e-12);
-        }
-        assert!((table.value(-3.0) - 0.625).abs() < 1e-12, "lines between");
-        let (table, clipped) = Table::new(&[1.0, 0.9, -0.9], 1.0).unwrap();
-        assert!((0.05..0.5).contains(&clipped), "{clipped}");
-        assert!((table.value(0.0) - 1.0).abs() < 1e-15 && table.value(1.0) < 0.9);
-    }
-
-    #[test]
-    fn invalid_tables_are_refused() {
-        let empty = Table::new(&[], 1.0).unwrap_err();
-        assert_eq!(empty.to_string(), "there are no observations");
-        for (lags, step) in [(vec![0.0, 0.0], 1.0), (vec![1.0], 0.0), (vec![1.0, f64::NAN], 1.0)] {
-            let error = Table::new(&lags, step).unwrap_err();
-            assert_eq!(error.kind(), ErrorKind::Value);
-            assert!(error.message().contains(": expected a finite number"), "{error}");
         }
     }
 }

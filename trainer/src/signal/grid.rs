@@ -5,14 +5,12 @@ use super::faults::{too_short, wrong_number};
 use super::functional::Functional;
 use super::kriging::{Kriging, Process};
 use crate::Error;
-use serde::Serialize;
 
 /// Most weights in a filter: a file of 256 MB.
 const WEIGHTS: usize = 1 << 26;
 
 /// Meaning of a signal's samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sample {
     /// Point values: coarse samples at i, fine samples at i + f / F.
     Value,

@@ -25,17 +25,17 @@ pub struct Process {
     pub noise: f64,
 }
 
-/// Form of a process's mean; the observations determine its coefficients.
+/// Form of a process's mean: as many coefficients as its number, which the observations determine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mean {
     /// Zero, as in S0.
-    Zero,
+    Zero = 0,
     /// A constant.
     #[default]
-    Constant,
+    Constant = 1,
     /// A straight line.
-    Linear,
+    Linear = 2,
 }
 
 /// Posterior of a function after n observations.
@@ -59,34 +59,8 @@ pub struct Prediction {
 enum Unsolved {
     /// The observations do not determine the mean.
     Mean,
-    /// Rounding errors dominate the solution.
-    IllConditioned {
-        /// Reciprocal condition.
-        rcond: f64,
-    },
-}
-
-/// An observation that earlier ones nearly determine under the covariance.
-struct Redundant {
-    /// Index of the observation.
-    at: usize,
-    /// Prediction from the earlier observations.
-    expected: f64,
-    /// Value of the observation.
-    found: f64,
-}
-
-/// Local kriging: each prediction uses only the nearest observations. Serves where one global system is too large
-/// (METHOD §4).
-pub struct Neighbours<'a> {
-    /// Prior model of the function.
-    pub process: &'a Process,
-    /// Observed functionals, n.
-    pub functionals: &'a [Functional],
-    /// Observed values, n.
-    pub values: &'a [f64],
-    /// Observations per prediction.
-    pub count: usize,
+    /// Rounding errors dominate the solution. Field: the reciprocal condition.
+    IllConditioned(f64),
 }
 
 impl Process {
@@ -103,11 +77,7 @@ impl Process {
 impl Mean {
     /// Counts the coefficients.
     pub const fn term_len(self) -> usize {
-        match self {
-            Self::Zero => 0,
-            Self::Constant => 1,
-            Self::Linear => 2,
-        }
+        self as usize
     }
 
     /// Returns the name used in JSON and on the command line.
@@ -167,15 +137,8 @@ impl Kriging {
                     "these observations do not determine a {mean} mean: take a simpler one, or observe values"
                 ))
             }
-            Unsolved::IllConditioned { rcond } => {
-                let redundant = first_redundant(process, functionals, values).map(
-                    |Redundant { at, expected, found }| {
-                        let at = number(at);
-                        format!(
-                            "observation {at} says {found:.6} where earlier ones nearly determine {expected:.6}"
-                        )
-                    },
-                );
+            Unsolved::IllConditioned(rcond) => {
+                let redundant = first_redundant(process, functionals, values, number);
                 ill_conditioned(rcond, redundant, remedy)
             }
         })
@@ -194,8 +157,7 @@ impl Kriging {
         if !determines_mean(&basis) {
             return Err(Unsolved::Mean);
         }
-        let solved = Solved::or_rcond(matrix, &basis, values)
-            .map_err(|rcond| Unsolved::IllConditioned { rcond })?;
+        let solved = Solved::new(matrix, &basis, values).map_err(Unsolved::IllConditioned)?;
         Ok(Self { process: process.clone(), functionals: functionals.to_vec(), scale, solved })
     }
 
@@ -235,33 +197,19 @@ impl Kriging {
     }
 }
 
-impl Neighbours<'_> {
-    /// Predicts a functional from the observations with the nearest middles; ties go to the earlier observation.
-    ///
-    /// # Errors
-    /// Errors of [`Kriging::new`].
-    pub fn predict(&self, of: &Functional) -> Result<Prediction, Error> {
-        let mut order: Vec<usize> = (0..self.functionals.len()).collect();
-        let distance = |i: &usize| (self.functionals[*i].middle() - of.middle()).abs();
-        order.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        order.truncate(self.count);
-        order.sort_unstable();
-        let near: Vec<Functional> = order.iter().map(|i| self.functionals[*i]).collect();
-        let values: Vec<f64> = order.iter().filter_map(|i| self.values.get(*i).copied()).collect();
-        Ok(Kriging::new(self.process, &near, &values)?.predict(of))
-    }
-}
-
-/// Finds the first observation at which the system becomes ill-conditioned: the earlier ones nearly determine this
+/// Describes the first observation at which the system becomes ill-conditioned: the earlier ones nearly determine this
 /// observation. Bisects, since more observations never improve the condition.
+///
+/// - `number`: returns the number of an observation.
 fn first_redundant(
     process: &Process,
     functionals: &[Functional],
     values: &[f64],
-) -> Option<Redundant> {
+    number: impl Fn(usize) -> usize,
+) -> Option<String> {
     let fails = |len: usize| {
         let found = Kriging::solved(process, &functionals[..len], &values[..len]);
-        matches!(found, Err(Unsolved::IllConditioned { .. }))
+        matches!(found, Err(Unsolved::IllConditioned(_)))
     };
     let (mut sound, mut failed) = (0, functionals.len());
     while failed - sound > 1 {
@@ -269,8 +217,10 @@ fn first_redundant(
         if fails(middle) { failed = middle } else { sound = middle }
     }
     let before = Kriging::solved(process, &functionals[..sound], &values[..sound]).ok()?;
-    let at = sound;
-    Some(Redundant { at, expected: before.value(&functionals[at]), found: values[at] })
+    let (at, found, expected) = (number(sound), values[sound], before.value(&functionals[sound]));
+    Some(format!(
+        "observation {at} says {found:.6} where earlier ones nearly determine {expected:.6}"
+    ))
 }
 
 /// Computes K = C₀ + τI, n x n.

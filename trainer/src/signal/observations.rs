@@ -1,6 +1,6 @@
 //! Observations of a function in JSON, and their function as a kernel part.
 
-use super::choose::{Ladder, likeliest_of, unit};
+use super::choose::{Ladder, OF_VALUES, likeliest_of, unit};
 use super::covariance::{Covariance, Subject};
 use super::faults::check_positive;
 use super::functional::Functional;
@@ -13,7 +13,7 @@ use crate::formats::json;
 use crate::numeric::columns::ends;
 use crate::regression::confidence::Fade;
 use crate::scattered::bound::largest;
-use crate::scattered::deviation::{F32_ERROR, ROOM};
+use crate::scattered::deviation::{F32_ERROR, ROOM, too_far};
 use crate::scattered::model::{Figures, KernelModel, Output, OutputKind};
 use faer::Mat;
 use serde::Deserialize;
@@ -24,9 +24,6 @@ use std::path::Path;
 /// Most centres of a candidate function while the covariance is chosen; larger candidates take too long to measure.
 const CENTRES: usize = 16_384;
 
-/// Families that a kernel part can represent for values alone.
-const OF_VALUES: [&str; 4] =
-    ["ornstein-uhlenbeck", "matern 3/2", "matern 5/2", "squared exponential"];
 /// Families that a kernel part can represent for derivatives and averages too.
 const OF_ANY: [&str; 1] = ["squared exponential"];
 
@@ -97,19 +94,12 @@ impl Observations {
     /// # Errors
     /// The errors of [`Self::read`], except for reading the file.
     pub fn parse(text: &[u8], name: &str, f32_error: Option<f64>) -> Result<Self, Error> {
-        let Written {
-            name: own,
-            covariance,
-            mean,
-            noise,
-            variance,
-            f32_error: written,
-            observations,
-        } = json::read(text)?;
-        let read = observations.iter().enumerate().map(|(at, of)| observation(at, of));
+        let written: Written = json::read(text)?;
+        let Written { mean, noise, variance, .. } = written;
+        let read = written.observations.iter().enumerate().map(|(at, of)| observation(at, of));
         let all = read.collect::<Result<Vec<_>, _>>()?;
         let (functionals, values): (Vec<_>, Vec<_>) = all.into_iter().unzip();
-        let given = match covariance.as_deref() {
+        let given = match written.covariance.as_deref() {
             None | Some("auto") => None,
             Some(text) => Some(Covariance::parse(text, Subject::Observations)?),
         };
@@ -119,7 +109,7 @@ impl Observations {
         check(&process, &functionals, &values)?;
         process.check()?;
         variance.map_or(Ok(()), |variance| check_positive("variance", variance))?;
-        let f32_error = f32_error.or(written).unwrap_or(F32_ERROR);
+        let f32_error = f32_error.or(written.f32_error).unwrap_or(F32_ERROR);
         check_positive("f32 error", f32_error)?;
         // With noise, a repeated observation adds information.
         let numbers = match noise > 0.0 {
@@ -127,7 +117,7 @@ impl Observations {
             false => independent(&functionals, &values)?,
         };
         let mut out = Self {
-            name: own.unwrap_or_else(|| name.to_owned()),
+            name: written.name.unwrap_or_else(|| name.to_owned()),
             process,
             variance,
             functionals: numbers.iter().map(|&at| functionals[at]).collect(),
@@ -163,7 +153,9 @@ impl Observations {
                     }
                     None => false,
                 };
-                let found = likeliest_of(self.process.noise, observed, names, ladder, sound);
+                let families = names.iter().filter_map(|name| Covariance::named(name, &[1.0]));
+                let families = families.map(|family| (ladder, family));
+                let found = likeliest_of(self.process.noise, observed, families, sound);
                 if let Some(covariance) = found {
                     self.process.covariance = covariance;
                     return;
@@ -192,8 +184,7 @@ impl Observations {
             return Some((f64::INFINITY, None));
         }
         let compared = Compared::new(&self.functionals, &fit, self.f32_error);
-        let deviation = compared.deviation(&sum).ok()?;
-        Some((deviation, compared.remedy(deviation, self.remedy())))
+        compared.deviation(&sum, self.remedy()).ok()
     }
 
     fn is_of_values(&self) -> bool {
@@ -235,8 +226,11 @@ impl Observations {
 pub fn function(observations: &Observations, fit: &Kriging) -> Result<(KernelModel, f64), Error> {
     let Observations { name, process, functionals, values, f32_error, numbers, .. } = observations;
     let sum = sum(process, functionals, numbers, fit)?;
-    let deviation =
-        Compared::new(functionals, fit, *f32_error).check(&sum, observations.remedy())?;
+    let compared = Compared::new(functionals, fit, *f32_error);
+    let (deviation, remedy) = compared.deviation(&sum, observations.remedy())?;
+    if let Some(remedy) = remedy {
+        return Err(too_far(deviation, *f32_error, remedy));
+    }
     let places: Vec<f64> = functionals.iter().map(Functional::middle).collect();
     let sites = Mat::from_fn(places.len(), 1, |i, _| places[i]);
     let misses = functionals.iter().zip(values).map(|(of, y)| (fit.value(of) - y).powi(2));

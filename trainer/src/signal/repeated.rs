@@ -119,7 +119,8 @@ impl<'a> Accepted<'a> {
         let [from, to] = self.ends[of];
         let own = &self.functionals[of];
         let Functional::Average { .. } = own else {
-            let is_same = |other: &&usize| same_kind(own, &self.functionals[**other]);
+            let kind = |of: &Functional| std::mem::discriminant(of);
+            let is_same = |other: &&usize| kind(&self.functionals[**other]) == kind(own);
             return self.at[from].iter().find(is_same).map(|other| vec![(*other, 1.0)]);
         };
         // How the search reached each place: by an observation, from a place.
@@ -156,10 +157,6 @@ fn sorted(functionals: &[Functional]) -> (Vec<(f64, usize, usize)>, f64) {
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let most = order.iter().fold(0.0f64, |most, (x, ..)| most.max(x.abs()));
     (order, ONE_PLACE * most)
-}
-
-fn same_kind(a: &Functional, b: &Functional) -> bool {
-    std::mem::discriminant(a) == std::mem::discriminant(b)
 }
 
 fn width(of: &Functional) -> f64 {

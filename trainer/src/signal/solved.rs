@@ -7,8 +7,7 @@ use crate::Error;
 use crate::scattered::solver::fit::{MISSED, RCOND};
 use crate::scattered::solver::refusal::described;
 use crate::scattered::solver::system::System;
-use faer::linalg::solvers::{Llt, Solve, SolveLstsq};
-use faer::{Mat, Side};
+use faer::Mat;
 
 /// Suggested change if the covariances of values are ill-conditioned.
 pub(super) const REMEDY: &str = "take a shorter length, a rougher covariance, or a noise";
@@ -35,20 +34,8 @@ impl Solved {
     /// Solves for values (n) with covariance K (n x n) and the mean's basis (n x r).
     ///
     /// # Errors
-    /// If rounding errors dominate the solution.
-    pub fn new(matrix: Mat<f64>, basis: &Mat<f64>, values: &[f64]) -> Result<Self, Error> {
-        Self::or_rcond(matrix, basis, values).map_err(|rcond| ill_conditioned(rcond, None, REMEDY))
-    }
-
-    /// Solves as [`Self::new`].
-    ///
-    /// # Errors
     /// The reciprocal condition, if rounding errors dominate the solution.
-    pub(super) fn or_rcond(
-        matrix: Mat<f64>,
-        basis: &Mat<f64>,
-        values: &[f64],
-    ) -> Result<Self, f64> {
+    pub fn new(matrix: Mat<f64>, basis: &Mat<f64>, values: &[f64]) -> Result<Self, f64> {
         let n = matrix.nrows();
         let units: Vec<f64> = (0..n).map(|i| 1.0 / matrix[(i, i)].sqrt()).collect();
         let matrix = Mat::from_fn(n, n, |i, k| units[i] * matrix[(i, k)] * units[k]);
@@ -126,53 +113,6 @@ pub(super) fn ill_conditioned(rcond: f64, redundant: Option<String>, remedy: &st
         "the observations' covariance is ill-conditioned ({}){redundant}: {remedy}",
         described(rcond)
     ))
-}
-
-/// A norm on the span of given functions h_i, for regularised fits (S0 Eq. 15, Prop. 3).
-///
-/// A positive definite matrix S gives f = Σ c_i h_i the norm ‖f‖² = cᵀSc, with the reproducing kernel K(p, q) =
-/// h(p)ᵀS⁻¹h(q). If the h_i are the covariances of observations and S = C₀, a fit under this norm is kriging.
-pub struct Norm {
-    s: Mat<f64>,
-    llt: Llt<f64>,
-}
-
-impl Norm {
-    /// Creates the norm of S, n x n.
-    ///
-    /// # Errors
-    /// If S is not positive definite.
-    pub fn new(s: Mat<f64>) -> Result<Self, Error> {
-        let indefinite = |_| Error::value("the norm S is not positive definite");
-        let llt = s.llt(Side::Lower).map_err(indefinite)?;
-        Ok(Self { s, llt })
-    }
-
-    /// Computes the coefficients c (n) of the function f that minimises `|H c - y|² + β cᵀSc`.
-    ///
-    /// - `observed`: H, the observations of each h_i, m x n.
-    /// - `values`: y, the target values, m.
-    ///
-    /// Uses QR of `[H; √β Lᵀ]` with S = LLᵀ, which avoids normal equations.
-    pub fn fit(&self, observed: &Mat<f64>, values: &[f64], beta: f64) -> Vec<f64> {
-        let (m, n) = observed.shape();
-        let penalty = self.llt.L().transpose() * faer::Scale(beta.sqrt());
-        let matrix = faer::concat![[observed], [&penalty]];
-        let right = Mat::from_fn(m + n, 1, |i, _| values.get(i).copied().unwrap_or(0.0));
-        matrix.qr().solve_lstsq(&right).col(0).iter().copied().collect()
-    }
-
-    /// Computes the inner product of two functions from their coefficients, n each.
-    pub fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
-        (column(a).transpose() * &self.s * column(b))[(0, 0)]
-    }
-
-    /// Computes the coefficients of K(·, q), n.
-    ///
-    /// - `at`: values of the h_i at q, n.
-    pub fn reproducing(&self, at: &[f64]) -> Vec<f64> {
-        self.llt.solve(column(at)).col(0).iter().copied().collect()
-    }
 }
 
 fn column(of: &[f64]) -> Mat<f64> {

@@ -11,7 +11,7 @@ use super::kriging::{Kriging, Process};
 use crate::Error;
 use crate::numeric::columns::ends;
 use crate::scattered::bound::rounded;
-use crate::scattered::deviation::{F32_ERROR, Probe, too_far};
+use crate::scattered::deviation::{F32_ERROR, Probe};
 use crate::scattered::model::{Input, InputKind};
 use crate::scattered::sum::{KernelSum, Term};
 use faer::Mat;
@@ -213,40 +213,26 @@ impl<'a> Compared<'a> {
     }
 
     /// Measures the largest deviation of the file, relative to the function's range: at the observations and at 1,000
-    /// places between.
+    /// places between. Also returns the suggested change for a deviation above the limit.
+    ///
+    /// - `change`: suggested change if f32 rounding is not the cause.
     ///
     /// # Errors
     /// If there are no places.
-    pub fn deviation(&self, sum: &KernelSum) -> Result<f64, Error> {
+    pub fn deviation(
+        &self,
+        sum: &KernelSum,
+        change: &'static str,
+    ) -> Result<(f64, Option<Remedy>), Error> {
         let sites: Vec<Vec<f64>> = self.places.iter().map(|place| vec![*place]).collect();
         // A fit's places are finite, so the probe fails only without places.
         let probe = Probe::new(&[input()], &sites, vec![self.range], self.limit);
         let probe = probe.map_err(|_| no_observations())?;
-        Ok(probe.deviation(sum, |x| x.iter().map(|at| value(self.fit, *at)).collect()))
-    }
-
-    /// Measures the deviation and compares it with the limit.
-    ///
-    /// - `change`: suggested change if f32 rounding is not the cause.
-    ///
-    /// # Errors
-    /// If the deviation is above the limit; errors of [`Self::deviation`].
-    pub fn check(&self, sum: &KernelSum, change: &'static str) -> Result<f64, Error> {
-        let deviation = self.deviation(sum)?;
-        match self.remedy(deviation, change) {
-            None => Ok(deviation),
-            Some(remedy) => Err(too_far(deviation, self.limit, remedy)),
-        }
-    }
-
-    /// Returns the suggested change for a deviation above the limit; `None` within the limit.
-    ///
-    /// - `change`: suggested change if f32 rounding is not the cause.
-    pub(super) fn remedy(&self, deviation: f64, change: &'static str) -> Option<Remedy> {
-        if deviation <= self.limit {
-            return None;
-        }
-        Some(self.rounding_remedy(deviation).unwrap_or(Remedy::Covariance(change)))
+        let deviation = probe.deviation(sum, |x| x.iter().map(|at| value(self.fit, *at)).collect());
+        let remedy = || self.rounding_remedy(deviation).unwrap_or(Remedy::Covariance(change));
+        // NaN is above the limit.
+        let is_within = deviation <= self.limit;
+        Ok((deviation, (!is_within).then(remedy)))
     }
 
     /// Returns the suggested change if f32 rounding causes the deviation; `None` otherwise.

@@ -8,7 +8,7 @@ use super::evaluate::{PictureError, add_picture};
 use super::fit::FitOptions;
 use super::model::parts;
 use super::player::{Player, multiplied};
-use super::set::{Parameter, View, ViewSet, nowhere};
+use super::set::{Image, Parameter, View, ViewSet, check_places};
 use super::train::train;
 use crate::Error;
 use crate::bake::bake;
@@ -49,18 +49,15 @@ pub struct Row {
     pub psnr_opaque: Option<f64>,
 }
 
-/// Shape parameters of the gaussians: one over the width, in mean distances of the views.
-const EPSILONS: [f64; 5] = [0.75, 1.0, 1.5, 2.0, 4.0];
-
-/// Kernel and shape parameter (one over the width) of each network over pixels.
+/// Kernel and shape parameter (one over the width, in mean distances of the views) of each network over pixels.
 pub const NETWORKS: [(Kernel, f64); 7] = [
     (Kernel::Linear, 1.0),
     (Kernel::Multiquadric, 1.0),
-    (Kernel::Gaussian, EPSILONS[0]),
-    (Kernel::Gaussian, EPSILONS[1]),
-    (Kernel::Gaussian, EPSILONS[2]),
-    (Kernel::Gaussian, EPSILONS[3]),
-    (Kernel::Gaussian, EPSILONS[4]),
+    (Kernel::Gaussian, 0.75),
+    (Kernel::Gaussian, 1.0),
+    (Kernel::Gaussian, 1.5),
+    (Kernel::Gaussian, 2.0),
+    (Kernel::Gaussian, 4.0),
 ];
 
 /// Returns the weights with which a network over the parameters mixes the views' pictures at `at`. A network is linear
@@ -83,13 +80,29 @@ pub fn network_weights(
     Ok(fit.sum.evaluate(&(0..names.len()).map(|c| value(at, c)).collect::<Vec<_>>()))
 }
 
+/// Loads the pictures of views, times alpha.
+///
+/// # Errors
+/// A picture cannot be read or is damaged.
+pub(super) fn pictures(views: &[&View], size: [usize; 2]) -> Result<Vec<Vec<f64>>, Error> {
+    let load = |image: &Image| {
+        Ok(multiplied(&image.load(size)?).rgba.into_iter().map(f64::from).collect())
+    };
+    views.iter().filter_map(|view| view.image.as_ref()).map(load).collect()
+}
+
 /// Mixes pictures of equal length by their weights.
-pub fn mixed(weights: &[f64], pictures: &[&[f64]]) -> Vec<f64> {
-    let mut out = vec![0.0; pictures.first().map_or(0, |first| first.len())];
+pub fn mixed(weights: &[f64], pictures: &[impl AsRef<[f64]>]) -> Vec<f64> {
+    let mut out = vec![0.0; pictures.first().map_or(0, |first| first.as_ref().len())];
     for (weight, picture) in weights.iter().zip(pictures) {
-        out.iter_mut().zip(*picture).for_each(|(out, x)| *out += weight * x);
+        out.iter_mut().zip(picture.as_ref()).for_each(|(out, x)| *out += weight * x);
     }
     out
+}
+
+/// Rounds a picture to bytes.
+pub(super) fn bytes(picture: &[f64]) -> Vec<u8> {
+    picture.iter().map(|x| x.round().clamp(0.0, 255.0) as u8).collect()
 }
 
 /// A training set, and views of one motion to predict.
@@ -111,9 +124,7 @@ struct Case {
 /// the others; the set, or the set without one view, cannot be trained on; a view cannot be drawn; or a picture cannot
 /// be read or is damaged.
 pub fn control(set: &ViewSet, options: FitOptions) -> Result<Control, Error> {
-    if let Some(&key) =
-        set.key_views().iter().find(|(map, view)| set.maps[*map].train[*view].image.is_none())
-    {
+    if let Some(&key) = set.key_views().iter().find(|&&key| set.view(key).image.is_none()) {
         let text = "expected an `image` of the whole, found pictures of layers alone";
         return Err(Error::missing(text).within(set.view_name(key)));
     }
@@ -178,21 +189,13 @@ fn left_out(set: &ViewSet) -> Result<Vec<Case>, Error> {
     let mut out = Vec::new();
     for (map, number) in set.key_views() {
         check(set, map, KEYS + 1)?;
-        let named = without(set, map, number);
+        let named = format!("without {}", set.view_name((map, number)));
         let mut rest = set.clone();
         let view = rest.maps[map].train.remove(number);
-        let is_nowhere =
-            |k: &usize| rest.maps[map].train.iter().all(|own| own.points[*k].is_none());
-        if let Some(point) = (0..view.points.len()).find(is_nowhere) {
-            return Err(nowhere(point, &set.maps[map].name).within(named));
-        }
+        check_places(&rest.maps[map]).map_err(|error| error.within(&named))?;
         out.push(Case { set: rest, map, views: vec![view], named });
     }
     Ok(out)
-}
-
-fn without(set: &ViewSet, map: usize, view: usize) -> String {
-    format!("without {}", set.view_name((map, view)))
 }
 
 impl Case {
@@ -205,12 +208,7 @@ impl Case {
         let Self { set, map, views, named } = self;
         let examples = &set.maps[*map];
         let keys: Vec<&View> = examples.train.iter().filter(|view| view.image.is_some()).collect();
-        let mut pictures = Vec::new();
-        for image in keys.iter().filter_map(|view| view.image.as_ref()) {
-            let picture = multiplied(&image.load(set.size)?);
-            pictures.push(picture.rgba.into_iter().map(f64::from).collect::<Vec<f64>>());
-        }
-        let pictures: Vec<&[f64]> = pictures.iter().map(Vec::as_slice).collect();
+        let pictures = pictures(&keys, set.size)?;
         let wrong = |error: Error| error.within(named);
         let trained = train(set, options).map_err(wrong)?;
         let file = bake(Space::default(), &parts(&trained.model)?)?;
@@ -239,9 +237,4 @@ impl Case {
         }
         Ok(())
     }
-}
-
-/// Rounds a picture to bytes.
-fn bytes(picture: &[f64]) -> Vec<u8> {
-    picture.iter().map(|x| x.round().clamp(0.0, 255.0) as u8).collect()
 }

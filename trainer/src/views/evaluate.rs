@@ -45,7 +45,7 @@ pub struct MeasuredPoints {
 pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Error> {
     let is_tested = set.maps.iter().any(|map| !map.test.is_empty());
     let (mut squares, mut most, mut known) = (0.0, 0.0f64, 0u32);
-    let (mut right, mut marks, mut flipped, mut count) = (0, 0, 0, 0);
+    let (mut right, mut marks, mut flipped, mut count) = (0, 0usize, 0, 0);
     // Errors of all pixels, and of the opaque pixels.
     let mut off = [PictureError::default(); 2];
     for examples in &set.maps {
@@ -68,11 +68,10 @@ pub fn evaluate(model: &Model<Vec<u8>>, set: &ViewSet) -> Result<Measured, Error
             }
             // Views whose points are all proposed have no known visibility.
             if view.points.iter().any(Option::is_some) {
-                let seen = played.visibility.iter().map(|x| *x > 0.5);
-                let marked = seen.zip(view.seen()).filter_map(|(own, seen)| Some(own == seen?));
-                let marked: Vec<bool> = marked.collect();
-                right += marked.iter().filter(|is_right| **is_right).count();
-                marks += marked.len();
+                for (own, seen) in played.visibility.iter().zip(view.seen()) {
+                    let Some(seen) = seen else { continue };
+                    (right, marks) = (right + usize::from((*own > 0.5) == seen), marks + 1);
+                }
             }
             count += 1;
             let (picture, drawn) = player.draw(&played).map_err(wrong)?;

@@ -4,7 +4,7 @@
 //! The search takes a few damped Gauss-Newton steps on the map, from the start of the nearest shape. It accepts any set
 //! of visible points. A second map from points to parameters would have to be trained for each set of visible points.
 
-use super::fit::{MapOutputs, given, names_of};
+use super::fit::{angles_of, given, names_of, with_features};
 use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
 use crate::Error;
@@ -33,20 +33,7 @@ pub struct Found {
     pub rms: f64,
 }
 
-/// Finds the parameters at which a map gives points, as [`ObjectMap::find`] does for an object with its own motion.
-///
-/// # Errors
-/// The values of a start are invalid.
-pub fn find(
-    model: &KernelModel,
-    outputs: MapOutputs,
-    points: &[Option<[f64; 2]>],
-    starts: &[Values],
-) -> Result<Found, Error> {
-    ObjectMap { model, outputs, deformations: None }.find(points, starts)
-}
-
-impl ObjectMap<'_> {
+impl ObjectMap {
     /// Finds the parameters at which the object has given points, up to a shift and a scale.
     ///
     /// For a transferred object the points are the instance's. The deformation depends on the parameters, so the search
@@ -61,7 +48,7 @@ impl ObjectMap<'_> {
     pub fn find(&self, points: &[Option<[f64; 2]>], starts: &[Values]) -> Result<Found, Error> {
         let seen: Vec<usize> = (0..points.len()).filter(|&k| points[k].is_some()).collect();
         let target: Vec<[f64; 2]> = points.iter().copied().flatten().collect();
-        let problem = Problem { object: *self, seen: &seen, target: &target };
+        let problem = Problem { object: self, seen: &seen, target: &target };
         let start = problem.nearest(starts)?;
         problem.solve(given(&self.model.inputs, &start)?)
     }
@@ -73,12 +60,9 @@ impl ObjectMap<'_> {
 pub fn starts(model: &KernelModel) -> Vec<Values> {
     // Places of each parameter, the middle first.
     let mut axes: Vec<(&str, Vec<f64>)> = Vec::new();
-    let mut feature = 0;
-    for input in &model.inputs {
-        let [low, high] = model.ranges[feature];
-        feature += input.kind.feature_len();
-        let named = input.name.splitn(input.kind.given_len(), ',');
-        let own: Vec<&str> = named.filter(|name| !name.is_empty()).collect();
+    for (input, first) in with_features(&model.inputs) {
+        let [low, high] = model.ranges[first];
+        let own = names_of(std::slice::from_ref(input));
         let places: Vec<f64> = match (input.kind, own.len()) {
             (InputKind::Rotation { .. }, 1) => (0..12).map(|step| 30.0 * f64::from(step)).collect(),
             (InputKind::Rotation { .. }, _) => vec![0.0, -40.0, -15.0, 15.0, 40.0],
@@ -108,7 +92,7 @@ pub fn starts(model: &KernelModel) -> Vec<Values> {
 }
 
 struct Problem<'a> {
-    object: ObjectMap<'a>,
+    object: &'a ObjectMap,
     /// Indices of the given points.
     seen: &'a [usize],
     /// Positions of the given points.
@@ -134,7 +118,7 @@ impl Problem<'_> {
         let mut best = (f64::INFINITY, None);
         for values in starts {
             let points = self.object.points(values)?;
-            let other = shape(&self.seen.iter().map(|&k| points[k]).collect::<Vec<_>>());
+            let other = shape(&self.seen_of(&points));
             let apart = own.as_flattened().iter().zip(other.as_flattened());
             let squares = apart.map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
             if squares < best.0 {
@@ -145,7 +129,11 @@ impl Problem<'_> {
     }
 
     fn solve(&self, given: Vec<f64>) -> Result<Found, Error> {
-        let free = self.free();
+        let inputs = &self.object.model.inputs;
+        // Numbers that have a name.
+        let free = inputs.iter().flat_map(angles_of).enumerate();
+        let free = free.filter(|(_, name)| !name.is_empty()).map(|(at, _)| at);
+        let free: Vec<usize> = free.collect();
         let points = self.points(&given)?;
         let (own, other) = (centred(self.target), centred(&points));
         let scale = norm(&other.0) / norm(&own.0).max(f64::MIN_POSITIVE);
@@ -180,31 +168,15 @@ impl Problem<'_> {
                 break;
             }
         }
-        let inputs = &self.object.model.inputs;
         let names = names_of(inputs).into_iter().map(str::to_owned);
         let values = names.zip(free.iter().map(|&at| guess.given[at])).collect();
         let rms = (residuals.norm_squared() / self.target.len().max(1) as f64).sqrt();
         Ok(Found { values, rms })
     }
 
-    /// Lists the indices of the inputs that have a name, in the order of their names.
-    fn free(&self) -> Vec<usize> {
-        let inputs = &self.object.model.inputs;
-        let parts = inputs.iter().flat_map(|input| {
-            let len = input.kind.given_len();
-            input.name.splitn(len, ',').map(|name| !name.is_empty()).collect::<Vec<_>>()
-        });
-        parts.enumerate().filter(|(_, named)| *named).map(|(at, _)| at).collect()
-    }
-
     /// Evaluates the given points.
     fn points(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, Error> {
-        Ok(self.seen_of(&self.object.places(&self.numbers(given)?)))
-    }
-
-    /// Evaluates all outputs of the map.
-    fn numbers(&self, given: &[f64]) -> Result<Vec<f64>, Error> {
-        Ok(self.object.model.evaluate(given)?.numbers)
+        Ok(self.seen_of(&self.object.at(given)?))
     }
 
     /// Selects the given points of K points.
@@ -222,10 +194,10 @@ impl Problem<'_> {
 
     /// Returns the negative derivatives of the residuals by parameters, by scale and by shift.
     fn jacobian(&self, guess: &Guess, free: &[usize]) -> Result<DMatrix<f64>, Error> {
-        let model = self.object.model;
+        let model = &self.object.model;
         let at = |given: &[f64]| features(&model.inputs, given);
         let by_features = model.sum.jacobian(&at(&guess.given)?);
-        let numbers = self.numbers(&guess.given)?;
+        let numbers = model.evaluate(&guess.given)?.numbers;
         let target = self.target.as_flattened();
         let mut out = DMatrix::zeros(target.len(), free.len() + 3);
         for (column, &number) in free.iter().enumerate() {

@@ -1,10 +1,11 @@
 //! Vertices that follow points, and the elements between the vertices (METHOD §6.9).
 
+use super::model::KeyView;
 use super::object::centred;
 use super::set::{Covered, Element};
 use crate::page::picture::Picture;
 use nalgebra::{Complex, DMatrix, DVector};
-use sinew_runtime::views::{Element as FileElement, Layer, Vertex as FileVertex, Views};
+use sinew_runtime::views::{Layer, Vertex as FileVertex, Views};
 use std::collections::HashMap;
 
 /// Smallest and largest number of cells along the longer side of a warped layer.
@@ -30,16 +31,6 @@ pub struct Mesh {
     pub vertices: Vec<Vertex>,
     /// Elements of each layer. Their corners are indices of vertices.
     pub layers: Vec<Vec<Element>>,
-}
-
-/// A layer in a key view: points on the screen, and the picture with the position of its corner.
-pub struct LayerInView<'a> {
-    /// Positions of all K points, pixels.
-    pub points: &'a [[f64; 2]],
-    /// Number of visible points of the layer.
-    pub seen: usize,
-    /// Picture of the layer and the position of its corner, if the key view shows the layer.
-    pub picture: Option<&'a (Picture, [usize; 2])>,
 }
 
 impl Vertex {
@@ -90,25 +81,27 @@ impl Mesh {
     /// Adds a layer that is warped as a whole. A grid covers the pictures of the layer in all key views. A thin plate
     /// spline between the points of the layer carries the vertices of the grid.
     ///
+    /// - `layer`: index of the layer.
     /// - `points`: indices of the points of the layer; at least one.
-    /// - `views`: key views; at least one has a picture.
-    pub fn add_warped(&mut self, points: &[usize], views: &[LayerInView<'_>]) {
+    /// - `keys`: key views; at least one has a picture.
+    pub fn add_warped(&mut self, layer: usize, points: &[usize], keys: &[KeyView]) {
+        let pictured = keys.iter().filter_map(|key| Some((key, key.pictures[layer].as_ref()?)));
         // The view at rest: the first of the pictured views with the most visible points.
-        let pictured = views.iter().filter(|view| view.picture.is_some());
-        let most = pictured.clone().map(|view| view.seen).max();
-        let Some(rest) = pictured.clone().find(|view| Some(view.seen) == most) else {
+        let seen = |key: &KeyView| points.iter().filter(|&&point| key.visible[point]).count();
+        let most = pictured.clone().map(|(key, _)| seen(key)).max();
+        let Some((rest, _)) = pictured.clone().find(|(key, _)| Some(seen(key)) == most) else {
             self.layers.push(Vec::new());
             return;
         };
-        let of = |view: &LayerInView<'_>| -> Vec<[f64; 2]> {
-            points.iter().map(|&point| view.points[point]).collect()
+        let of = |key: &KeyView| -> Vec<[f64; 2]> {
+            points.iter().map(|&point| key.points[point]).collect()
         };
         let own = of(rest);
         // Bounds of all pictures, moved back to rest.
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for view in pictured.clone() {
-            let back = Warp::new(&of(view));
-            for place in outline(view.picture) {
+        for (key, picture) in pictured.clone() {
+            let back = Warp::new(&of(key));
+            for place in outline(picture) {
                 let found = back.moved(place, &own);
                 for axis in 0..2 {
                     low[axis] = low[axis].min(found[axis]);
@@ -129,18 +122,18 @@ impl Mesh {
         let warp = Warp::new(&own);
         let all: Vec<Vertex> =
             (0..across * (counts[1] + 1)).map(|at| warp.vertex(place(at), points)).collect();
-        let placed: Vec<Vec<[f64; 2]>> = pictured
-            .clone()
-            .map(|view| all.iter().map(|vertex| vertex.at(view.points)).collect())
+        // Places of the vertices in each picture's view, the covered pixels, and the corner of the picture.
+        let views: Vec<(Vec<[f64; 2]>, Covered, [usize; 2])> = pictured
+            .map(|(key, (picture, corner))| {
+                let placed = all.iter().map(|vertex| vertex.at(&key.points)).collect();
+                (placed, Covered::of(picture), *corner)
+            })
             .collect();
-        let pictures = pictured.filter_map(|view| view.picture);
-        let covered: Vec<(Covered, [usize; 2])> =
-            pictures.map(|(picture, corner)| (Covered::of(picture), *corner)).collect();
         let mut elements = Vec::new();
         for (row, column) in (0..counts[1]).flat_map(|row| (0..counts[0]).map(move |c| (row, c))) {
             let first = row * across + column;
             let [a, b, c, d] = [first, first + 1, first + across + 1, first + across];
-            let is_seen = placed.iter().zip(&covered).any(|(placed, (covered, corner))| {
+            let is_seen = views.iter().any(|(placed, covered, corner)| {
                 let ring = [a, b, c, d].map(|at| placed[at]);
                 // Bounds of the cell, plus one pixel.
                 let own = |axis: usize| ring.map(|place| place[axis] - corner[axis] as f64);
@@ -165,13 +158,8 @@ impl Mesh {
                 .map(|(point, [a, b])| (point, Complex::new(a.into(), b.into())))
                 .collect(),
         };
-        let element = |element| match element {
-            FileElement::Triangle(vertices) => Element::Triangle(vertices),
-            FileElement::Quad(vertices) => Element::Quad(vertices),
-        };
-        let layer = |layer: Layer| {
-            (layer.first..layer.end).filter_map(|at| views.element(at)).map(element).collect()
-        };
+        let layer =
+            |layer: Layer| (layer.first..layer.end).filter_map(|at| views.element(at)).collect();
         Self {
             vertices: (0..).map_while(|at| views.vertex(at)).map(vertex).collect(),
             layers: (0..).map_while(|at| views.layer(at)).map(layer).collect(),
@@ -203,9 +191,9 @@ impl Mesh {
 
 /// Lists the edges of an element, each by its ends in ascending order.
 fn edges(element: &Element) -> impl Iterator<Item = [usize; 2]> {
-    let points = element.points();
-    let ends = points.iter().cycle().skip(1);
-    points.iter().zip(ends).map(|(&a, &b)| [a.min(b), a.max(b)])
+    let vertices = element.vertices();
+    let ends = vertices.iter().cycle().skip(1);
+    vertices.iter().zip(ends).map(|(&a, &b)| [a.min(b), a.max(b)])
 }
 
 /// Warp that carries places along with points. Collinear points give a similarity, coinciding points give a shift, and
@@ -285,8 +273,7 @@ fn complex([x, y]: [f64; 2]) -> Complex<f64> {
 }
 
 /// Lists the corners of the first and last covered pixel of each row.
-fn outline(picture: Option<&(Picture, [usize; 2])>) -> Vec<[f64; 2]> {
-    let Some((picture, [left, top])) = picture else { return Vec::new() };
+fn outline((picture, [left, top]): &(Picture, [usize; 2])) -> Vec<[f64; 2]> {
     let rows = picture.rgba.chunks(4 * picture.size.width.max(1)).enumerate();
     let ends = |(row, pixels): (usize, &[u8])| {
         let covered = |pixel: &[u8]| pixel[3] > 0;
@@ -354,16 +341,20 @@ mod tests {
         };
         let pictures = [disc([20.0, 20.0], 12.0), disc([40.0, 36.0], 20.0)];
         let points = [square([20.0, 20.0], 8.0), square([40.0, 36.0], 12.0)];
-        let views: Vec<LayerInView<'_>> = (0..2)
-            .map(|k| LayerInView { points: &points[k], seen: 4, picture: Some(&pictures[k]) })
-            .collect();
+        let key = |k: usize| KeyView {
+            name: String::new(),
+            pictures: vec![Some(pictures[k].clone())],
+            points: points[k].to_vec(),
+            visible: vec![true; 4],
+            deformation: None,
+        };
         let mut mesh = Mesh::default();
-        mesh.add_warped(&[0, 1, 2, 3], &views);
+        mesh.add_warped(0, &[0, 1, 2, 3], &[0, 1].map(key));
         for (view, (picture, _)) in points.iter().zip(&pictures) {
             let places: Vec<[f64; 2]> = mesh.vertices.iter().map(|v| v.at(view)).collect();
             let covers = |p: [f64; 2]| {
                 mesh.layers[0].iter().any(|element| {
-                    let ring: Vec<_> = element.points().iter().map(|&v| places[v]).collect();
+                    let ring: Vec<_> = element.vertices().iter().map(|&v| places[v]).collect();
                     (0..ring.len()).all(|i| {
                         let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
                         (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) >= -1e-9

@@ -2,7 +2,7 @@
 
 use super::fit::MapOutputs;
 use super::mesh::{Mesh, Vertex};
-use super::object::Reference;
+use super::object::Deformation;
 use super::set::Element;
 use crate::Error;
 use crate::bake::sections::{floats, names, narrow, words};
@@ -62,8 +62,8 @@ pub struct KeyView {
     pub points: Vec<[f64; 2]>,
     /// Whether each of the K points is visible.
     pub visible: Vec<bool>,
-    /// Reference points of the prototype and of this object, if the motion is lent.
-    pub reference: Option<Reference>,
+    /// Deformation from the prototype, if the motion is lent.
+    pub deformation: Option<Deformation>,
 }
 
 /// Errors on the training views. Lengths are in pixels.
@@ -120,30 +120,26 @@ fn object(model: &ViewsModel) -> Result<Part, Error> {
     let mut textures = Vec::new();
     let mut start = 0;
     for ((picture, _), texels) in all().zip(texels()) {
-        for (what, number) in [
-            ("a texture's width", picture.size.width),
-            ("a texture's height", picture.size.height),
-            ("texels", start),
-        ] {
-            textures.push(narrow(what, number)?);
-        }
+        textures.push(narrow("a texture's width", picture.size.width)?);
+        textures.push(narrow("a texture's height", picture.size.height)?);
+        textures.push(narrow("texels", start)?);
         start += texels;
     }
     let mut next = 0;
-    let mut texture = |picture: &Option<_>| match picture {
-        None => Ok(NOTHING),
+    let texture = |picture: &Option<_>| match picture {
+        None => NOTHING,
         Some(_) => {
             next += 1;
-            narrow("textures", next - 1)
+            next - 1
         }
     };
-    let view_textures = model.keys.iter().flat_map(|key| &key.pictures).map(&mut texture);
-    let view_textures = view_textures.collect::<Result<Vec<u32>, _>>()?;
+    let view_textures = model.keys.iter().flat_map(|key| &key.pictures).map(texture);
+    let view_textures: Vec<u32> = view_textures.collect();
     let names_of_keys = model.keys.iter().map(|key| &key.name);
     let names_of_layers = model.layers.iter().map(|layer| &layer.name);
     let named = std::iter::once(&model.name).chain(names_of_keys).chain(names_of_layers);
-    let maps = (0..model.maps.len()).map(|map| narrow("maps", map));
-    let maps = maps.collect::<Result<Vec<u32>, _>>()?;
+    let maps: Vec<u32> = (0..counts.map_len).collect();
+    let corners = |element: &&Element| [0, 1, 2, 3].map(|at| element.vertices().get(at).copied());
     let mut sections: Sections = vec![
         (SectionKind::ViewsCounts, true, words(&counts.words())),
         (SectionKind::Names, true, names(named)?),
@@ -151,8 +147,8 @@ fn object(model: &ViewsModel) -> Result<Part, Error> {
         (SectionKind::Layers, true, words(&layers(model)?)),
         (SectionKind::Vertices, true, vertices(mesh)?),
         (SectionKind::VertexWeights, true, weight_rows(weights())?),
-        (SectionKind::Elements, true, corners(&elements)?),
-        (SectionKind::Neighbours, true, neighbours(mesh)?),
+        (SectionKind::Elements, true, indices("vertices", elements.iter().map(corners))?),
+        (SectionKind::Neighbours, true, indices("elements", mesh.neighbours().into_iter())?),
         (SectionKind::ViewTextures, true, words(&view_textures)),
         (SectionKind::VertexTexels, true, vertex_texels(model)),
         (
@@ -168,17 +164,10 @@ fn object(model: &ViewsModel) -> Result<Part, Error> {
             all().flat_map(|(picture, _)| picture.rgba.iter().copied()).collect(),
         ),
     ];
-    let references: Option<Vec<_>> = model.keys.iter().map(|key| key.reference.as_ref()).collect();
-    if let Some(references) = references.filter(|all| !all.is_empty()) {
-        let own = references.iter().flat_map(|reference| {
-            let pairs = reference.prototype.iter().zip(&reference.instance);
-            let offset = |(own, other): (&[f64; 2], &[f64; 2])| {
-                [0, 1].map(|axis| other[axis] - reference.scale * own[axis])
-            };
-            let offsets: Vec<[f64; 2]> = pairs.map(offset).collect();
-            floats(&[&[reference.scale], offsets.as_flattened()].concat())
-        });
-        sections.push((SectionKind::Deformations, true, own.collect()));
+    let lent: Option<Vec<_>> = model.keys.iter().map(|key| key.deformation.as_ref()).collect();
+    if let Some(lent) = lent.filter(|all| !all.is_empty()) {
+        let own = |key: &Deformation| floats(&[&[key.scale], key.offsets.as_flattened()].concat());
+        sections.push((SectionKind::Deformations, true, lent.into_iter().flat_map(own).collect()));
     }
     let fit = [model.fit.rms, model.fit.left_out, model.fit.visibility];
     sections.push((SectionKind::ViewsFit, true, floats(&fit)));
@@ -226,25 +215,12 @@ fn weight_rows<'a>(
     Ok(out)
 }
 
-fn corners(elements: &[&Element]) -> Result<Vec<u8>, Error> {
+/// Writes the vertices or neighbours of each element. `what` names them in errors.
+fn indices(what: &str, all: impl Iterator<Item = [Option<usize>; 4]>) -> Result<Vec<u8>, Error> {
     let mut out = Vec::new();
-    for element in elements {
-        for corner in 0..4 {
-            let vertex = match element.points().get(corner) {
-                Some(&vertex) => narrow("vertices", vertex)?,
-                None => NO_VERTEX,
-            };
-            out.extend(vertex.to_le_bytes());
-        }
-    }
-    Ok(out)
-}
-
-fn neighbours(mesh: &Mesh) -> Result<Vec<u8>, Error> {
-    let mut out = Vec::new();
-    for other in mesh.neighbours().as_flattened() {
-        let other = other.map_or(Ok(NO_VERTEX), |other| narrow("elements", other))?;
-        out.extend(other.to_le_bytes());
+    for index in all.flatten() {
+        let index = index.map_or(Ok(NO_VERTEX), |index| narrow(what, index))?;
+        out.extend(index.to_le_bytes());
     }
     Ok(out)
 }
@@ -255,7 +231,7 @@ fn vertex_texels(model: &ViewsModel) -> Vec<u8> {
     // Layer of each vertex.
     let mut owners = vec![0; model.mesh.vertices.len()];
     for (layer, elements) in model.mesh.layers.iter().enumerate() {
-        elements.iter().flat_map(Element::points).for_each(|&vertex| owners[vertex] = layer);
+        elements.iter().flat_map(Element::vertices).for_each(|&vertex| owners[vertex] = layer);
     }
     let of_key = |key: &KeyView| -> Vec<[f64; 2]> {
         let of_vertex = |(vertex, layer): (&Vertex, &usize)| match &key.pictures[*layer] {

@@ -14,30 +14,44 @@ use sinew_runtime::views::Views;
 const DIFFERENCE: f64 = 1e-2;
 
 /// A map, and the deformation of its points if another object lent the motion.
-#[derive(Clone, Copy, Debug)]
-pub struct ObjectMap<'a> {
+#[derive(Clone, Debug)]
+pub struct ObjectMap {
     /// The map.
-    pub model: &'a KernelModel,
+    pub model: KernelModel,
     /// Number of outputs of each kind.
     pub outputs: MapOutputs,
     /// Deformations of a transferred object; `None` for an object with its own motion.
-    pub deformations: Option<&'a Deformations>,
+    pub deformations: Option<Deformations>,
 }
 
-impl ObjectMap<'_> {
+impl ObjectMap {
+    /// Reads the map of a player in f64.
+    pub fn new(player: &Player<'_>) -> Self {
+        let views = player.views();
+        Self {
+            model: KernelModel::from_file(player.map()),
+            outputs: MapOutputs::of(views),
+            deformations: Deformations::of(views),
+        }
+    }
+
     /// Evaluates the K points, pixels.
     ///
     /// # Errors
     /// The values are invalid.
     pub fn points(&self, values: &Values) -> Result<Vec<[f64; 2]>, Error> {
-        let evaluated = self.model.evaluate(&given(&self.model.inputs, values)?)?;
-        Ok(self.places(&evaluated.numbers))
+        self.at(&given(&self.model.inputs, values)?)
+    }
+
+    /// Evaluates the K points, given the numbers of all inputs.
+    pub(super) fn at(&self, given: &[f64]) -> Result<Vec<[f64; 2]>, Error> {
+        Ok(self.places(&self.model.evaluate(given)?.numbers))
     }
 
     /// Returns the K points, given the numbers of all outputs.
-    pub(super) fn places(&self, numbers: &[f64]) -> Vec<[f64; 2]> {
+    fn places(&self, numbers: &[f64]) -> Vec<[f64; 2]> {
         let shown = self.outputs.shown(numbers);
-        match self.deformations {
+        match &self.deformations {
             None => shown.points,
             Some(deformations) => deformations.moved(&shown.points, &shown.scores),
         }
@@ -60,72 +74,36 @@ impl ObjectMap<'_> {
     }
 }
 
-/// A map of a file in f64.
-#[derive(Debug)]
-pub struct FileMap {
-    model: KernelModel,
-    outputs: MapOutputs,
-    deformations: Option<Deformations>,
-}
-
-impl FileMap {
-    /// Reads the map of a player.
-    pub fn new(player: &Player<'_>) -> Self {
-        let views = player.views();
-        Self {
-            model: KernelModel::from_file(player.map()),
-            outputs: MapOutputs::of(views),
-            deformations: Deformations::of(views),
-        }
-    }
-
-    /// Returns the map with the points of the object.
-    pub fn object(&self) -> ObjectMap<'_> {
-        let Self { model, outputs, deformations } = self;
-        ObjectMap { model, outputs: *outputs, deformations: deformations.as_ref() }
-    }
-}
-
-/// Reference points of an instance and its prototype in one key view.
+/// Deformation of an instance from its prototype in one key view.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reference {
-    /// The K points of the prototype, less their barycentre.
-    pub prototype: Vec<[f64; 2]>,
-    /// The K points of the instance, less their barycentre.
-    pub instance: Vec<[f64; 2]>,
+pub struct Deformation {
     /// Scale s: 1, or the norm of the instance over the norm of the prototype.
     pub scale: f64,
+    /// Offsets R' - s R of the K points, pixels. R and R' are the points of the prototype and of the instance, less
+    /// their barycentres.
+    pub offsets: Vec<[f64; 2]>,
 }
 
-impl Reference {
-    /// Makes a reference from K points of a prototype and K points of an instance.
+impl Deformation {
+    /// Makes a deformation from K points of a prototype and K points of an instance.
     ///
     /// - `by_size`: whether the motion scales with the size of the instance (S1's footnote 2).
     pub fn new(prototype: &[[f64; 2]], instance: &[[f64; 2]], by_size: bool) -> Self {
         let [prototype, instance] = [prototype, instance].map(|points| centred(points).0);
         let ratio = norm(&instance) / norm(&prototype);
         let scale = if by_size && ratio.is_finite() { ratio } else { 1.0 };
-        Self { prototype, instance, scale }
-    }
-
-    /// Moves the instance as its prototype moved.
-    pub fn moved(&self, prototype: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        let (own, centre) = centred(prototype);
-        let point = |(k, own): (usize, &[f64; 2])| {
-            [0, 1].map(|axis| {
-                let change = own[axis] - self.prototype[k][axis];
-                self.instance[k][axis] + self.scale * change + centre[axis]
-            })
+        let offset = |(own, other): (&[f64; 2], &[f64; 2])| {
+            [0, 1].map(|axis| other[axis] - scale * own[axis])
         };
-        own.iter().enumerate().map(point).collect()
+        Self { scale, offsets: prototype.iter().zip(&instance).map(offset).collect() }
     }
 }
 
 /// Deformations of a transferred object from its prototype, by key view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformations {
-    /// Scale s and offsets R' - s R of the K points, pixels, for each key view.
-    keys: Vec<(f64, Vec<[f64; 2]>)>,
+    /// Deformation in each key view.
+    pub keys: Vec<Deformation>,
 }
 
 impl Deformations {
@@ -134,12 +112,12 @@ impl Deformations {
         let key = |view| {
             let offsets = (0..).map_while(|point| views.offset(view, point));
             let offsets = offsets.map(|offset| offset.map(f64::from)).collect();
-            Some((f64::from(views.ratio(view)?), offsets))
+            Some(Deformation { scale: views.ratio(view)?.into(), offsets })
         };
         views.is_transferred().then(|| Self { keys: (0..).map_while(key).collect() })
     }
 
-    /// Moves the object as its prototype moved, by the references of the key views weighted by score.
+    /// Moves the object as its prototype moved, by the deformations of the key views weighted by score.
     ///
     /// - `prototype`: K points, pixels.
     /// - `scores`: N scores of the object's key views.
@@ -147,11 +125,10 @@ impl Deformations {
         let (own, centre) = centred(prototype);
         let weights = weights(scores);
         let keys = || self.keys.iter().zip(&weights).filter(|(_, weight)| **weight > 0.0);
-        let scale: f64 = keys().map(|((scale, _), weight)| weight * scale).sum();
+        let scale: f64 = keys().map(|(key, weight)| weight * key.scale).sum();
         let point = |(k, own): (usize, &[f64; 2])| {
             [0, 1].map(|axis| {
-                let offset: f64 =
-                    keys().map(|((_, offsets), weight)| weight * offsets[k][axis]).sum();
+                let offset: f64 = keys().map(|(key, weight)| weight * key.offsets[k][axis]).sum();
                 scale * own[axis] + offset + centre[axis]
             })
         };
@@ -184,6 +161,10 @@ mod tests {
         apart.fold(0.0, f64::max)
     }
 
+    fn moved(own: Deformation, prototype: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        Deformations { keys: vec![own] }.moved(prototype, &[1.0])
+    }
+
     fn waved(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
         points.iter().map(|[x, y]| [x + (0.3 * y).sin() + 9.0, y * 1.1 - 0.2 * x]).collect()
     }
@@ -191,29 +172,29 @@ mod tests {
     #[test]
     fn a_prototype_lends_itself_its_own_motion() {
         for by_size in [false, true] {
-            let own = Reference::new(&FIGURE, &FIGURE, by_size);
-            let moved = waved(&FIGURE);
-            assert!(far(&own.moved(&moved), &moved) < 1e-14);
+            let own = Deformation::new(&FIGURE, &FIGURE, by_size);
+            let waved = waved(&FIGURE);
+            assert!(far(&moved(own, &waved), &waved) < 1e-14);
         }
     }
 
     #[test]
-    fn the_prototypes_reference_gives_the_instances() {
+    fn a_prototype_at_rest_gives_the_instance_at_rest() {
         for by_size in [false, true] {
-            let reference = Reference::new(&FIGURE, &OTHER, by_size);
-            let found = centred(&reference.moved(&FIGURE)).0;
+            let own = Deformation::new(&FIGURE, &OTHER, by_size);
+            let found = centred(&moved(own, &FIGURE)).0;
             assert!(far(&found, &centred(&OTHER).0) < 1e-14);
         }
     }
 
     #[test]
     fn motion_is_parallel_and_scales_with_the_instance_by_size() {
-        let moved = waved(&FIGURE);
-        let change: Vec<_> = centred(&moved).0.into_iter().zip(centred(&FIGURE).0).collect();
+        let waved = waved(&FIGURE);
+        let change: Vec<_> = centred(&waved).0.into_iter().zip(centred(&FIGURE).0).collect();
         for (by_size, factor) in
             [(false, 1.0), (true, norm(&centred(&OTHER).0) / norm(&centred(&FIGURE).0))]
         {
-            let found = centred(&Reference::new(&FIGURE, &OTHER, by_size).moved(&moved)).0;
+            let found = centred(&moved(Deformation::new(&FIGURE, &OTHER, by_size), &waved)).0;
             for ((found, other), (moved, own)) in found.iter().zip(centred(&OTHER).0).zip(&change) {
                 for axis in 0..2 {
                     let expected = factor * (moved[axis] - own[axis]);

@@ -1,6 +1,6 @@
 //! Drags a few points. The parameters follow first, by their covariance in training, then the points nearby follow.
 
-use super::fit::{given, names_of};
+use super::fit::{angles_of, given, names_of, with_features};
 use super::object::{ObjectMap, centred, norm};
 use super::set::Values;
 use crate::Error;
@@ -30,8 +30,8 @@ pub type Pin = (usize, [f64; 2]);
 ///
 /// # Errors
 /// The values are invalid.
-pub fn follow(object: ObjectMap<'_>, start: &Values, pins: &[Pin]) -> Result<Values, Error> {
-    let model = object.model;
+pub fn follow(object: &ObjectMap, start: &Values, pins: &[Pin]) -> Result<Values, Error> {
+    let model = &object.model;
     let names: Vec<String> = names_of(&model.inputs).into_iter().map(str::to_owned).collect();
     let by_name =
         |x: &DVector<f64>| -> Values { names.iter().cloned().zip(x.iter().copied()).collect() };
@@ -108,8 +108,7 @@ fn covariance(model: &KernelModel, names: &[String]) -> DMatrix<f64> {
             }
         }
     } else {
-        let spreads: Vec<f64> = spreads(model);
-        (0..d).for_each(|c| out[(c, c)] = spreads[c].powi(2));
+        spreads(model).iter().enumerate().for_each(|(c, own)| out[(c, c)] = own.powi(2));
     }
     // A parameter that is constant in training may still move a little.
     let floor = FLOOR * out.trace() / d.max(1) as f64;
@@ -120,14 +119,11 @@ fn covariance(model: &KernelModel, names: &[String]) -> DMatrix<f64> {
 /// Lists standard deviations of the parameters by their ranges.
 fn spreads(model: &KernelModel) -> Vec<f64> {
     let mut out = Vec::new();
-    let mut feature = 0;
-    for input in &model.inputs {
-        let [low, high] = model.ranges[feature];
-        feature += input.kind.feature_len();
+    for (input, first) in with_features(&model.inputs) {
+        let [low, high] = model.ranges[first];
         match input.kind {
             InputKind::Rotation { .. } => {
-                let named = input.name.splitn(3, ',').filter(|name| !name.is_empty());
-                out.extend(named.map(|_| ANGLE));
+                out.extend(names_of(std::slice::from_ref(input)).iter().map(|_| ANGLE));
             }
             _ => out.push((high - low) / 12f64.sqrt()),
         }
@@ -143,18 +139,17 @@ fn examples(model: &KernelModel) -> Vec<Vec<f64>> {
             0.0 => sum.shift[c],
             scale => sum.centres[(c, k)] / scale + sum.shift[c],
         };
-        let (mut out, mut first) = (Vec::new(), 0);
-        for input in &model.inputs {
+        let mut out = Vec::new();
+        for (input, first) in with_features(&model.inputs) {
             match input.kind {
                 InputKind::Rotation { feature: Feature::Matrix, order: Some(order) } => {
                     let matrix: [f64; 9] = std::array::from_fn(|entry| value(first + entry));
                     let angles = angles(order, &matrix);
-                    let named = input.name.splitn(3, ',').zip(angles);
+                    let named = angles_of(input).zip(angles);
                     out.extend(named.filter(|(name, _)| !name.is_empty()).map(|(_, angle)| angle));
                 }
                 _ => out.push(value(first)),
             }
-            first += input.kind.feature_len();
         }
         out
     };
@@ -163,14 +158,8 @@ fn examples(model: &KernelModel) -> Vec<Vec<f64>> {
 
 /// Returns the angles about x, y and z of a rotation matrix (by rows) in an order, degrees.
 fn angles(order: EulerOrder, matrix: &[f64; 9]) -> [f64; 3] {
-    let [i, j, k] = match order {
-        EulerOrder::Xyz => [0, 1, 2],
-        EulerOrder::Xzy => [0, 2, 1],
-        EulerOrder::Yxz => [1, 0, 2],
-        EulerOrder::Yzx => [1, 2, 0],
-        EulerOrder::Zxy => [2, 0, 1],
-        EulerOrder::Zyx => [2, 1, 0],
-    };
+    let name = order.name().as_bytes();
+    let [i, j, k] = [0, 1, 2].map(|at| usize::from(name[at] - b'X'));
     let sign = if (i + 1) % 3 == j { 1.0 } else { -1.0 };
     let at = |r: usize, c: usize| matrix[3 * r + c];
     let mut out = [0.0; 3];

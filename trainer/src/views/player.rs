@@ -1,6 +1,6 @@
 //! A model file drawn by the runtime, as an engine does in each frame.
 
-use super::fit::{given, weights};
+use super::fit::{given, weights, with_features};
 use super::set::Values;
 use crate::Error;
 use crate::page::camera::Resolution;
@@ -56,10 +56,7 @@ impl<'a> Player<'a> {
         let views = model.views().ok_or_else(|| Error::missing("it has no views"))?;
         let maps = (0..).map_while(|number| model.map_of(&views, number));
         let names: Vec<&str> = maps.clone().map(|map| map.name()).collect();
-        let found = match map {
-            Some(name) => maps.clone().find(|map| map.name() == name),
-            None => maps.clone().next(),
-        };
+        let found = maps.clone().find(|own| map.is_none_or(|name| own.name() == name));
         let unknown = || {
             let map = map.unwrap_or_default();
             Error::missing(format!("it has no map \"{map}\"; there are {}", names.join(", ")))
@@ -147,10 +144,8 @@ impl<'a> Player<'a> {
 
     /// Refuses numbers far outside the range of the training views. Angles wrap around.
     fn check(&self, values: &Values) -> Result<(), Error> {
-        let mut feature = 0;
-        for input in &self.inputs {
-            let range = self.map.feature(feature).unwrap_or_default().map(f64::from);
-            feature += input.kind.feature_len();
+        for (input, first) in with_features(&self.inputs) {
+            let range = self.map.feature(first).unwrap_or_default().map(f64::from);
             let ([.., low, high], Some(&value)) = (range, values.get(&input.name)) else {
                 continue;
             };
@@ -190,20 +185,20 @@ impl<'a> Player<'a> {
 
 /// Premultiplies the colours of a picture by alpha.
 pub fn multiplied(picture: &Picture) -> Picture {
-    let mut out = picture.clone();
-    for pixel in out.rgba.chunks_mut(4) {
-        let alpha = f64::from(pixel[3]) / 255.0;
-        pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) * alpha).round() as u8);
-    }
-    out
+    recoloured(picture, |x, alpha| x * alpha)
 }
 
 /// Divides the colours of a picture by alpha, as PNG stores them.
 pub fn straight(picture: &Picture) -> Picture {
+    recoloured(picture, |x, alpha| if alpha > 0.0 { x / alpha } else { x })
+}
+
+/// Changes the colours of a picture, given a byte and the alpha from 0 to 1.
+fn recoloured(picture: &Picture, of: impl Fn(f64, f64) -> f64) -> Picture {
     let mut out = picture.clone();
-    for pixel in out.rgba.chunks_mut(4).filter(|pixel| pixel[3] > 0) {
+    for pixel in out.rgba.chunks_mut(4) {
         let alpha = f64::from(pixel[3]) / 255.0;
-        pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) / alpha).round().min(255.0) as u8);
+        pixel[..3].iter_mut().for_each(|x| *x = of(f64::from(*x), alpha).round() as u8);
     }
     out
 }

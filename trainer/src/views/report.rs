@@ -1,7 +1,7 @@
 //! A page about an object: a sheet of views, the parts of a view, and networks over pixels for comparison.
 
-use super::control::{NETWORKS, mixed, network_weights};
-use super::player::{Played, Player, multiplied, straight};
+use super::control::{NETWORKS, bytes, mixed, network_weights, pictures};
+use super::player::{Played, Player, straight};
 use super::set::{Examples, Values, View, ViewSet};
 use crate::Error;
 use crate::numeric::columns::ends;
@@ -43,7 +43,8 @@ pub fn report(
     }
     for examples in &set.maps {
         let name = format!("Views of \"{}\"", examples.name);
-        let sheet = sheet(model, examples)?;
+        let player = Player::new(model, Some(&examples.name))?;
+        let sheet = sheet(&player, examples)?;
         let along: Vec<String> =
             axes(examples).into_iter().flatten().map(|axis| axis.name).collect();
         let framed = match is_lent {
@@ -52,15 +53,16 @@ pub fn report(
         };
         let about = format!("{}: {framed}.", along.join(" by "));
         body += &section(&name, &(figure(&sheet, &name, "", "")? + &paragraph(&text(&about))));
-        body += &section("What a view is made of", &made_of(model, examples)?);
+        body += &section("What a view is made of", &made_of(&player, examples)?);
         if let Some(prototype) = prototype {
-            body += &section("The motion that is lent", &lent(model, prototype, examples)?);
+            let prototype = Player::new(prototype, Some(&examples.name))?;
+            body += &section("The motion that is lent", &lent(&player, &prototype, examples)?);
         }
         if is_lent {
             // The pictures of the set belong to the prototype.
             continue;
         }
-        if let Some(networks) = networks(model, set, examples)? {
+        if let Some(networks) = networks(&player, set, examples)? {
             body += &section("A network over pixels", &networks);
         }
     }
@@ -86,11 +88,11 @@ fn axes(examples: &Examples) -> [Option<Along>; 2] {
     STEPS.map(|steps| changing.next().map(|(name, ends)| Along { name, ends, steps }))
 }
 
-fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, Error> {
+fn sheet(player: &Player<'_>, examples: &Examples) -> Result<Picture, Error> {
     let [across, down] = axes(examples);
     let count = |axis: &Option<Along>| axis.as_ref().map_or(1, |axis| axis.steps);
     let [columns, rows] = [count(&across), count(&down)];
-    let [width, height] = Player::new(model, Some(&examples.name))?.size();
+    let [width, height] = player.size();
     let cell = [width + GAP, height + GAP + FOOT];
     let mut out = Drawing::new(columns * cell[0] + GAP, rows * cell[1] + GAP);
     let start = examples.train.first().map(|view| view.values.clone()).unwrap_or_default();
@@ -102,7 +104,7 @@ fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, Error> 
                 values.insert(name.clone(), low + share * (high - low));
             }
         }
-        let (picture, _) = shown(model, examples, &values)?;
+        let (picture, _) = shown(player, &values)?;
         let corner = [(GAP + column * cell[0]) as f64, (GAP + row * cell[1]) as f64];
         out.image(corner, picture.on_white());
         let near = |(name, value): (&String, &f64)| {
@@ -121,35 +123,24 @@ fn sheet(model: &Model<Vec<u8>>, examples: &Examples) -> Result<Picture, Error> 
 }
 
 /// Draws the object at parameters.
-fn shown(
-    model: &Model<Vec<u8>>,
-    examples: &Examples,
-    values: &Values,
-) -> Result<(Picture, Played), Error> {
-    let player = Player::new(model, Some(&examples.name))?;
+fn shown(player: &Player<'_>, values: &Values) -> Result<(Picture, Played), Error> {
     let played = player.play(values)?;
     Ok((straight(&player.draw(&played)?.0), played))
 }
 
-/// Returns the parameters halfway between the first two training views.
-fn between(examples: &Examples) -> Values {
-    let half = |view: &View, other: &View| {
-        let middle = |(name, a): (&String, &f64)| {
-            (name.clone(), 0.5 * (a + other.values.get(name).unwrap_or(a)))
-        };
-        view.values.iter().map(middle).collect()
+/// Returns the parameters halfway between the first two views.
+fn between<'a>(mut views: impl Iterator<Item = &'a View>) -> Values {
+    let Some(first) = views.next() else { return Values::new() };
+    let other = views.next().unwrap_or(first);
+    let middle = |(name, a): (&String, &f64)| {
+        (name.clone(), 0.5 * (a + other.values.get(name).unwrap_or(a)))
     };
-    match &examples.train[..] {
-        [] => Values::new(),
-        [first] => first.values.clone(),
-        [first, second, ..] => half(first, second),
-    }
+    first.values.iter().map(middle).collect()
 }
 
 /// Draws the layers of a key view and the view made of them, each with its elements.
-fn made_of(model: &Model<Vec<u8>>, examples: &Examples) -> Result<String, Error> {
-    let (picture, played) = shown(model, examples, &between(examples))?;
-    let player = Player::new(model, Some(&examples.name))?;
+fn made_of(player: &Player<'_>, examples: &Examples) -> Result<String, Error> {
+    let (picture, played) = shown(player, &between(examples.train.iter()))?;
     let views = player.views();
     let elements = player.elements();
     let with_mesh = |picture: &Picture,
@@ -217,16 +208,11 @@ fn layers(model: &Model<Vec<u8>>, set: &ViewSet) -> String {
 }
 
 /// Draws an object and its prototype: their pictures, then both at training parameters.
-fn lent(
-    model: &Model<Vec<u8>>,
-    prototype: &Model<Vec<u8>>,
-    examples: &Examples,
-) -> Result<String, Error> {
-    let both = [("the prototype", prototype), ("the object", model)];
+fn lent(object: &Player<'_>, prototype: &Player<'_>, examples: &Examples) -> Result<String, Error> {
+    let both = [("the prototype", prototype), ("the object", object)];
     let mut figures = Vec::new();
-    let named = Player::new(model, Some(&examples.name))?.views().view_name(0);
-    for (name, file) in both {
-        let player = Player::new(file, Some(&examples.name))?;
+    let named = object.views().view_name(0);
+    for (name, player) in both {
         let views = player.views();
         let mut numbers = 0..views.view_len();
         let number = numbers.find(|&view| views.view_name(view) == named).unwrap_or_default();
@@ -238,9 +224,9 @@ fn lent(
     for view in examples.train.iter().skip(step / 2).step_by(step) {
         let at: Vec<String> =
             view.values.iter().map(|(name, value)| format!("{name} {value}")).collect();
-        for (name, file) in both {
+        for (name, player) in both {
             let caption = format!("{name} at {}", at.join(", "));
-            let (picture, _) = shown(file, examples, &view.values)?;
+            let (picture, _) = shown(player, &view.values)?;
             figures.push(figure(&picture, &caption, "", &text(&caption))?);
         }
     }
@@ -250,7 +236,7 @@ fn lent(
 /// Draws networks over pixels halfway between training views, beside points and warping. `None` if the map has fewer
 /// than four pictures.
 fn networks(
-    model: &Model<Vec<u8>>,
+    player: &Player<'_>,
     set: &ViewSet,
     examples: &Examples,
 ) -> Result<Option<String>, Error> {
@@ -258,17 +244,9 @@ fn networks(
     if own.len() < 4 {
         return Ok(None);
     }
-    let values = between(&Examples {
-        train: own.iter().map(|view| (*view).clone()).collect(),
-        ..examples.clone()
-    });
-    let (picture, _) = shown(model, examples, &values)?;
-    let mut pictures = Vec::new();
-    for image in own.iter().filter_map(|view| view.image.as_ref()) {
-        let picture = multiplied(&image.load(set.size)?);
-        pictures.push(picture.rgba.iter().map(|byte| f64::from(*byte)).collect::<Vec<f64>>());
-    }
-    let all: Vec<&[f64]> = pictures.iter().map(Vec::as_slice).collect();
+    let values = between(own.iter().copied());
+    let (picture, _) = shown(player, &values)?;
+    let all = pictures(&own, set.size)?;
     let at = View { values, ..own[0].clone() };
     let mut figures = vec![figure(&picture, "points and warping", "", "points and warping")?];
     for (kernel, epsilon) in NETWORKS {
@@ -276,8 +254,8 @@ fn networks(
         else {
             continue;
         };
-        let rgba = mixed(&weights, &all).into_iter().map(|x| x.round().clamp(0.0, 255.0) as u8);
-        let mixed = straight(&Picture { size: picture.size, rgba: rgba.collect() });
+        let rgba = bytes(&mixed(&weights, &all));
+        let mixed = straight(&Picture { size: picture.size, rgba });
         let name = format!("{}, width {:.2}", kernel.name(), 1.0 / epsilon);
         figures.push(figure(&mixed, &name, "", &name)?);
     }

@@ -1,7 +1,7 @@
 //! Trains a model on a set of views.
 
 use super::fit::{Choice, FitOptions, FittedMap, fit};
-use super::mesh::{LayerInView, Mesh};
+use super::mesh::Mesh;
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
 use super::set::{Layer, View, ViewSet, cropped, triangulated};
 use crate::Error;
@@ -71,8 +71,8 @@ pub fn train(set: &ViewSet, options: FitOptions) -> Result<Trained, Error> {
 /// Names key views after their pictures, or after the pictures of their first layers, without the ending. If two names
 /// would be equal, names them after motion and index.
 fn names(set: &ViewSet, keys: &[(usize, usize)]) -> Vec<String> {
-    let stem = |&(map, view): &(usize, usize)| {
-        let own = &set.maps[map].train[view];
+    let stem = |&key: &(usize, usize)| {
+        let own = set.view(key);
         let first = || own.layers.iter().find_map(|layer| layer.image.as_ref());
         let stem = own.image.as_ref().or_else(first)?.file.file_stem()?;
         Some(stem.to_string_lossy().into_owned())
@@ -92,32 +92,29 @@ fn key_view(
     view: &View,
     predicted: &[[f64; 2]],
 ) -> Result<KeyView, Error> {
-    let layers = 0..set.layers.len();
-    let picture = |layer| {
-        view.picture(layer).map(|image| image.load(set.size).map(|whole| cropped(&whole, 1)))
-    };
-    let pictures = layers.map(|layer| picture(layer).transpose());
-    let pictures: Vec<Option<_>> =
-        pictures.map(|found| found.map(Option::flatten)).collect::<Result<_, _>>()?;
+    let mut pictures = Vec::new();
+    for layer in 0..set.layers.len() {
+        let whole = view.picture(layer).map(|image| image.load(set.size)).transpose()?;
+        pictures.push(whole.and_then(|whole| cropped(&whole, 1)));
+    }
     let known = view.points.iter().zip(predicted).map(|(known, found)| known.unwrap_or(*found));
     Ok(KeyView {
         name,
         pictures,
         points: known.collect(),
         visible: view.visible.clone(),
-        reference: None,
+        deformation: None,
     })
 }
 
 /// Whether each key view has one picture for all layers.
 fn is_whole(set: &ViewSet, keys: &[(usize, usize)]) -> bool {
-    keys.iter().all(|&(map, view)| set.maps[map].train[view].layers.is_empty())
+    keys.iter().all(|&key| set.view(key).layers.is_empty())
 }
 
 /// Makes the vertices and elements of all layers.
 fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<Mesh, Error> {
     let mut out = Mesh::default();
-    let of = |(map, view): (usize, usize)| &set.maps[map].train[view];
     for (number, layer) in set.layers.iter().enumerate() {
         let seen = |view: &View| layer.points.iter().filter(|&&k| view.visible[k]).count();
         if !layer.elements.is_empty() {
@@ -125,24 +122,19 @@ fn mesh(set: &ViewSet, keys: &[(usize, usize)], pictures: &[KeyView]) -> Result<
         } else if is_whole(set, keys) {
             // The first of the key views with the most visible points.
             let most =
-                keys.iter().rev().copied().max_by_key(|&key| seen(of(key))).unwrap_or((0, 0));
+                keys.iter().rev().copied().max_by_key(|&key| seen(set.view(key))).unwrap_or((0, 0));
             let mut frame = if set.has_depth() { Vec::new() } else { frame(set.size) };
             // A visible point replaces a place of the frame at the same position.
-            let view = of(most);
+            let view = set.view(most);
             let seen: Vec<[f64; 2]> = (0..view.points.len())
                 .filter(|&k| view.visible[k])
                 .filter_map(|k| view.points[k])
                 .collect();
             frame.retain(|place| !seen.contains(place));
-            let elements = triangulated(of(most), &frame, &set.view_name(most))?;
+            let elements = triangulated(view, &frame, &set.view_name(most))?;
             out.add_elements(&elements, set.point_len(), &frame);
         } else {
-            let views = keys.iter().zip(pictures).map(|(&key, picture)| LayerInView {
-                points: &picture.points,
-                seen: seen(of(key)),
-                picture: picture.pictures[number].as_ref(),
-            });
-            out.add_warped(&layer.points, &views.collect::<Vec<_>>());
+            out.add_warped(number, &layer.points, pictures);
         }
     }
     Ok(out)

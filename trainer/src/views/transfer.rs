@@ -2,9 +2,9 @@
 //! references of the instance.
 
 use super::fit::MapOutputs;
-use super::mesh::{LayerInView, Mesh, Vertex};
+use super::mesh::{Mesh, Vertex};
 use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::object::Reference;
+use super::object::Deformation;
 use super::set::{Element, LayerView, View, cropped};
 use crate::Error;
 use crate::scattered::model::KernelModel;
@@ -125,7 +125,7 @@ fn key_view(
     Ok(KeyView {
         name: named.to_owned(),
         pictures,
-        reference: Some(Reference::new(&own, &points, by_size)),
+        deformation: Some(Deformation::new(&own, &points, by_size)),
         points,
         visible: view.visible.clone(),
     })
@@ -164,10 +164,7 @@ fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
     let mut out = Mesh::default();
     for (number, elements) in prototype.layers.iter().enumerate() {
         match warped_points(prototype, elements) {
-            Some(points) => {
-                let in_view = |key| in_view(key, number, &points);
-                out.add_warped(&points, &keys.iter().map(in_view).collect::<Vec<_>>());
-            }
+            Some(points) => out.add_warped(number, &points, keys),
             None => out.add_layer(elements, |at| prototype.vertices[at].clone()),
         }
     }
@@ -177,7 +174,8 @@ fn mesh(prototype: &Mesh, keys: &[KeyView]) -> Mesh {
 /// Lists the points of a layer that is warped as a whole, whose vertices lie between points. `None` for any other
 /// layer.
 fn warped_points(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
-    let vertices = || elements.iter().flat_map(Element::points).map(|&at| &prototype.vertices[at]);
+    let vertices =
+        || elements.iter().flat_map(Element::vertices).map(|&at| &prototype.vertices[at]);
     let is_between = |vertex: &Vertex| match vertex.weights[..] {
         [] => false,
         [(point, _)] => *vertex != Vertex::of_point(point),
@@ -186,14 +184,6 @@ fn warped_points(prototype: &Mesh, elements: &[Element]) -> Option<Vec<usize>> {
     let points = vertices().flat_map(|vertex| vertex.weights.iter().map(|(point, _)| *point));
     let points: BTreeSet<usize> = points.collect();
     vertices().any(is_between).then(|| points.into_iter().collect())
-}
-
-fn in_view<'a>(key: &'a KeyView, layer: usize, points: &[usize]) -> LayerInView<'a> {
-    LayerInView {
-        points: &key.points,
-        seen: points.iter().filter(|&&point| key.visible[point]).count(),
-        picture: key.pictures[layer].as_ref(),
-    }
 }
 
 /// Removes the scores of all key views but the kept ones from a map.

@@ -4,8 +4,8 @@
 use crate::face::{head, loaded, trained};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::prior::{Anchor, Pin, Temporal};
-use sinew_trainer::face::baked::{BakedFace, SolveOptions};
+use sinew_runtime::prior::{Anchor, Pin, PinJob, Temporal};
+use sinew_trainer::face::baked::BakedFace;
 use sinew_trainer::face::evaluate::{DRAWS, Gram, Protocol, roughness};
 use sinew_trainer::face::train::sliders;
 use std::ops::Range;
@@ -20,8 +20,8 @@ fn a_few_handles_reach_the_promised_errors() {
     assert_eq!((take.frames.len(), basis.landmarks.len()), (4030, 68));
     assert_eq!(take.skipped.len(), 10, "{:?}", take.skipped);
     let model = trained(&basis, &take.frames[..HALF]);
-    let [slider, slider_mean] = sliders(&model);
-    let [face, slider, slider_mean] = [&model, &slider, &slider_mean].map(loaded);
+    let [slider, slider_mean] = sliders(&model).unwrap();
+    let face = loaded(&model);
     let evaluation = Protocol {
         face: BakedFace::open(&face).unwrap(),
         slider: BakedFace::open(&slider).unwrap(),
@@ -77,7 +77,7 @@ fn shapes_that_a_take_never_used_can_move() {
     let gram = Gram::new(&face, FACE);
     let mut truth = vec![0.0; basis.mesh.shapes.len()];
     truth[left] = 1.0;
-    let options = SolveOptions { is_bounded: false, ..SolveOptions::edit(&face.prior) };
+    let options = PinJob { is_bounded: false, ..face.edit() };
     let dragged = |vertices: &[usize]| -> Vec<f64> {
         let pin =
             |&vertex: &usize| Pin::new(vertex as u32, face.place(vertex, &truth).map(|x| x as f32));
@@ -135,11 +135,10 @@ fn a_track_with_noise_is_followed_smoothly() {
         let mut out = Vec::new();
         for pins in &observed {
             let mut weights = last.clone();
-            let edit = SolveOptions::edit(&face.prior);
-            let own = SolveOptions { anchor: Anchor::Mean, beta: 0.01, ..edit };
+            let own = PinJob { anchor: Anchor::Mean, beta: 0.01, ..face.edit() };
             let options = match plain {
                 true => own,
-                false => SolveOptions {
+                false => PinJob {
                     temporal: Some(Temporal { weights: &last, stiffness: 50.0 }),
                     symmetry: 0.1,
                     cancels: true,

@@ -4,8 +4,8 @@
 use crate::face::{loaded, options};
 use models::shared;
 use serde_json::Value;
-use sinew_runtime::prior::{Anchor, Pin};
-use sinew_trainer::face::baked::{BakedFace, SolveOptions};
+use sinew_runtime::prior::{Anchor, Pin, PinJob};
+use sinew_trainer::face::baked::BakedFace;
 use sinew_trainer::face::basis::ExampleMeshes;
 use sinew_trainer::face::train::of_meshes;
 use sinew_trainer::formats::ShapedMesh;
@@ -89,7 +89,7 @@ fn a_few_points_of_a_plane_say_where_the_others_are() {
     };
     let pins: Vec<Pin> = (0..71).step_by(7).map(pinned).collect();
     let mut weights = vec![0.0; 20];
-    let options = SolveOptions { anchor: Anchor::Mean, ..SolveOptions::edit(&face.prior) };
+    let options = PinJob { anchor: Anchor::Mean, ..face.edit() };
     face.solve(&pins, &options, &mut Vec::new(), &mut weights).unwrap();
     let wide: Vec<f64> = weights.into_iter().map(f64::from).collect();
     let apart = |weights: &[f64]| {

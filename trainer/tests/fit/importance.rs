@@ -24,7 +24,7 @@ fn error(model: &[u8], examples: &Examples, of: impl Fn(usize) -> bool) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for frame in examples.frames_of(Split::HeldOut) {
         let skin = skin(&character, examples, frame).unwrap();
-        let found = skin.positions().chunks_exact(3).zip(examples.frame(frame)).enumerate();
+        let found = skin.positions.chunks_exact(3).zip(examples.frame(frame)).enumerate();
         for (_, (found, truth)) in found.filter(|(vertex, _)| of(*vertex)) {
             sum += found.iter().zip(truth).map(|(&a, b)| (f64::from(a) - b).powi(2)).sum::<f64>();
             count += 1;
@@ -75,7 +75,7 @@ fn errors_weigh_vertices_by_importance() {
     let mut distances = Vec::new();
     for frame in plain.frames_of(Split::HeldOut) {
         let skin = skin(&character, &plain, frame).unwrap();
-        let positions = skin.positions().chunks_exact(3).zip(plain.frame(frame)).enumerate();
+        let positions = skin.positions.chunks_exact(3).zip(plain.frame(frame)).enumerate();
         for (vertex, (found, truth)) in positions {
             let squared = found.iter().zip(truth).map(|(&a, b)| (f64::from(a) - b).powi(2));
             distances.extend(vec![squared.sum::<f64>().sqrt(); counts(vertex)]);

@@ -21,7 +21,7 @@ fn apart(a: (&Trained, &Examples), b: (&Trained, &Examples)) -> f64 {
     let skinned = |(trained, own): (&Trained, &Examples), frame: usize| {
         let character = Character::open(&trained.model, None, own).unwrap();
         let skinned = skin(&character, examples, frame).unwrap();
-        let positions: &[[f32; 3]] = skinned.positions().as_chunks().0;
+        let positions: &[[f32; 3]] = skinned.positions.as_chunks().0;
         own.surface().of_first_copies(positions)
     };
     let mut farthest: f64 = 0.0;

@@ -55,7 +55,7 @@ fn check(predictor: Predictor) {
             (found.errors.max_percent, plain.errors.max_percent),
             (found.errors.normal_rms_degrees, plain.errors.normal_rms_degrees),
             (found.lbs.rms_percent, plain.lbs.rms_percent),
-            (found.diagonal, plain.diagonal * conversion.scale()),
+            (found.diagonal, plain.diagonal * conversion.scale),
         ] {
             println!("{}: {found} {expected}", predictor.name());
             assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");

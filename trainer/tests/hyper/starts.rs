@@ -59,21 +59,11 @@ fn k_means_plus_plus_takes_samples_apart() {
 }
 
 #[test]
-fn greedy_takes_the_largest_residuals_whatever_the_seed() {
-    let problem = clusters();
-    assert_eq!(chosen(&problem, Start::Greedy, 1, 1), BTreeSet::from([23]));
-    let first = chosen(&problem, Start::Greedy, 1, 6);
-    assert_eq!(first.len(), 6);
-    assert_eq!(first, chosen(&problem, Start::Greedy, 2, 6));
-    assert_ne!(chosen(&problem, Start::Random, 1, 6), chosen(&problem, Start::Random, 2, 6));
-}
-
-#[test]
 fn samples_that_repeat_are_no_trouble() {
     let sites = Mat::from_fn(12, 2, |_, _| 0.25);
     let values = Mat::from_fn(12, 1, |i, _| i as f64);
     let problem = Problem { sites, values };
-    for start in [Start::Random, Start::KMeansPlusPlus, Start::Greedy] {
+    for start in [Start::Random, Start::KMeansPlusPlus] {
         let learned = problem.learn(&Options { start, ridge: 0.0, ..options(2, 5) }).unwrap();
         // With all centres at one place, the function is the mean.
         assert!((learned.sum.evaluate(&[0.25; 2])[0] - 5.5).abs() < 1e-12, "{start:?}");

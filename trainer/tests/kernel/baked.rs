@@ -127,7 +127,7 @@ fn the_file_gives_the_fitted_values() {
                     kernel: Some(kernel.to_owned()),
                     degree: Some(degree),
                     epsilon: Some(2.0),
-                    outside: query,
+                    outside: Some(query),
                     normalise: Some(normalise),
                     ..ProblemOptions::default()
                 };

@@ -7,21 +7,7 @@ use sinew_trainer::signal::covariance::Covariance;
 use sinew_trainer::signal::functional::Functional;
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
 use sinew_trainer::signal::kriging::Mean;
-use sinew_trainer::signal::kriging::Neighbours;
 use sinew_trainer::signal::kriging::{Kriging, Process, gram};
-use sinew_trainer::signal::solved::Norm;
-
-fn mixed() -> (Vec<Functional>, Vec<f64>) {
-    let functionals = vec![
-        Functional::Value { at: 0.0 },
-        Functional::Derivative { at: 0.7 },
-        Functional::Average { from: 1.0, to: 2.5 },
-        Functional::Value { at: 3.1 },
-        Functional::Average { from: 2.0, to: 5.0 },
-        Functional::Derivative { at: 6.0 },
-    ];
-    (functionals, vec![1.0, -0.4, 0.2, 1.7, 0.9, 0.3])
-}
 
 #[test]
 fn matrices_of_every_covariance_are_definite() {
@@ -46,91 +32,6 @@ fn matrices_of_every_covariance_are_definite() {
         (-0.5 * (d / 0.9) * (d / 0.9)).exp()
     });
     assert!(least(&angles) < -1e-4);
-}
-
-#[test]
-fn a_fit_in_the_span_with_the_observations_own_norm_is_kriging() {
-    let (functionals, values) = mixed();
-    let covariance = Covariance::Matern52 { length: 1.4 };
-    let none = process(covariance.clone(), Mean::Zero);
-    let c = gram(&none, &functionals);
-    for beta in [1e-3, 0.1] {
-        let noisy = Process { noise: beta, ..none.clone() };
-        let (expected, ..) = Kriging::new(&noisy, &functionals, &values).unwrap().coefficients();
-        let found = Norm::new(c.clone()).unwrap().fit(&c, &values, beta);
-        for (found, expected) in found.iter().zip(&expected) {
-            assert!((found - expected).abs() < 1e-9, "Eq. 13 of Eq. 15");
-        }
-    }
-}
-
-#[test]
-fn any_definite_norm_reproduces_by_its_own_kernel() {
-    let (functionals, values) = mixed();
-    let covariance = Covariance::Matern52 { length: 1.4 };
-    let h = |at: f64| -> Vec<f64> {
-        let q = Functional::Value { at };
-        functionals.iter().map(|of| of.covariance(&q, &covariance)).collect()
-    };
-    let c = gram(&process(covariance.clone(), Mean::Zero), &functionals);
-    let n = functionals.len();
-    let mut numbers = Numbers::new(8);
-    let random = Mat::from_fn(n, n, |_, _| numbers.normal());
-    let any = &random * random.transpose() + Mat::<f64>::identity(n, n);
-    for s in [c.clone(), Mat::identity(n, n), any] {
-        let norm = Norm::new(s).unwrap();
-        let f = norm.fit(&c, &values, 1e-2);
-        for q in [-1.0, 0.4, 2.2, 7.0] {
-            let at_q: f64 = f.iter().zip(h(q)).map(|(c, h)| c * h).sum();
-            let found = norm.inner(&f, &norm.reproducing(&h(q)));
-            assert!((found - at_q).abs() < 1e-12, "⟨f, K(·, q)⟩ = f(q): {found} {at_q}");
-        }
-        // No other coefficients have a smaller energy.
-        let energy = |f: &[f64]| {
-            let column = Mat::from_fn(n, 1, |i, _| f[i]);
-            let misses = &c * column - Mat::from_fn(n, 1, |i, _| values[i]);
-            misses.squared_norm_l2() + 1e-2 * norm.inner(f, f)
-        };
-        let least = energy(&f);
-        for k in 0..n {
-            for step in [-1e-3, 1e-3] {
-                let mut other = f.clone();
-                other[k] += step;
-                assert!(energy(&other) > least);
-            }
-        }
-    }
-    let indefinite = Mat::from_fn(2, 2, |i, k| if i == k { 1.0 } else { 2.0 });
-    let error = Norm::new(indefinite).err().unwrap().to_string();
-    assert_eq!(error, "the norm S is not positive definite");
-}
-
-#[test]
-fn all_neighbours_are_the_whole_and_few_of_ornstein_and_uhlenbeck_are_enough() {
-    let places: Vec<f64> = (0..30).map(|i| 1.3 * f64::from(i) + 0.2 * f64::from(i % 3)).collect();
-    let mut numbers = Numbers::new(1);
-    let found: Vec<f64> = places.iter().map(|_| numbers.normal()).collect();
-    let functionals = values(&places);
-    let near = |process: &Process, count: usize, at: f64| {
-        let all = Neighbours { process, functionals: &functionals, values: &found, count };
-        all.predict(&Functional::Value { at }).unwrap()
-    };
-    for covariance in families() {
-        let process = process(covariance, Mean::Constant);
-        let whole = Kriging::new(&process, &functionals, &found).unwrap();
-        for at in [0.4, 17.7, 38.0] {
-            let expected = whole.predict(&Functional::Value { at });
-            let own = near(&process, 30, at);
-            assert!((own.value - expected.value).abs() < 1e-11);
-            assert!((own.variance - expected.variance).abs() < 1e-11);
-        }
-    }
-    let markov = process(Covariance::OrnsteinUhlenbeck { length: 3.0 }, Mean::Zero);
-    let whole = Kriging::new(&markov, &functionals, &found).unwrap();
-    let at = 0.5 * (places[11] + places[12]);
-    let expected = whole.predict(&Functional::Value { at });
-    assert!((near(&markov, 2, at).value - expected.value).abs() < 1e-10);
-    assert!((near(&markov, 1, at).value - expected.value).abs() > 1e-2, "one is not enough");
 }
 
 #[test]

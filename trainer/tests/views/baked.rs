@@ -8,8 +8,9 @@ use sinew_trainer::page::picture::Picture;
 use sinew_trainer::views::demo::write;
 use sinew_trainer::views::evaluate::evaluate;
 use sinew_trainer::views::fit::FitOptions;
-use sinew_trainer::views::inverse::{find, starts};
+use sinew_trainer::views::inverse::starts;
 use sinew_trainer::views::model::parts;
+use sinew_trainer::views::object::{ObjectMap, centred};
 use sinew_trainer::views::player::{Player, multiplied};
 use sinew_trainer::views::set::{Image, Values, View, ViewSet, read};
 use sinew_trainer::views::train::{Trained, train};
@@ -90,13 +91,11 @@ fn key_views_reproduce_their_pictures_inside_elements() {
 fn points_drive_an_object_like_its_parameters() {
     let Some(set) = head() else { return };
     let (_, file) = trained(&set);
-    let map = file.map_of(&file.views().unwrap(), 0).unwrap();
-    let model = sinew_trainer::scattered::model::KernelModel::from_file(&map);
-    let outputs = sinew_trainer::views::fit::MapOutputs { points: 158, views: 27, layers: 1 };
-    let starts = starts(&model);
+    let object = ObjectMap::new(&Player::new(&file, None).unwrap());
+    let starts = starts(&object.model);
     for (number, view) in set.maps[0].train.iter().enumerate() {
         let points: Vec<_> = (0..158).map(|k| view.points[k].filter(|_| view.visible[k])).collect();
-        let found = find(&model, outputs, &points, &starts).unwrap();
+        let found = object.find(&points, &starts).unwrap();
         let shown = |values: &Values| {
             let player = Player::new(&file, None).unwrap();
             let played = player.play(values).unwrap();
@@ -140,7 +139,7 @@ fn an_instance_moves_as_its_prototype_does() {
     for by_size in [false, true] {
         let named = vec![("texture".to_owned(), instance.clone())];
         let made = transfer(&prototype, "sister", &named, by_size).unwrap();
-        let reference = made.keys[0].reference.clone().unwrap();
+        let deformation = made.keys[0].deformation.clone().unwrap();
         let made =
             Model::from_bytes(bake(Space::default(), &parts(&made).unwrap()).unwrap()).unwrap();
         for examples in &figure.maps {
@@ -149,7 +148,11 @@ fn an_instance_moves_as_its_prototype_does() {
                     let player = Player::new(file, Some(&examples.name)).unwrap();
                     place(&player.play(&view.values).unwrap().points)
                 };
-                let expected = reference.moved(&of(&prototype));
+                let (own, centre) = centred(&of(&prototype));
+                let point = |(own, offset): (&[f64; 2], &[f64; 2])| {
+                    [0, 1].map(|axis| deformation.scale * own[axis] + offset[axis] + centre[axis])
+                };
+                let expected: Vec<_> = own.iter().zip(&deformation.offsets).map(point).collect();
                 let off = most(&apart(&of(&made), &expected));
                 assert!(off < RUNTIME, "{}: {off}", examples.name);
             }

@@ -6,7 +6,7 @@ use npyz::NpyFile;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::object::{Reference, centred};
+use sinew_trainer::views::object::{Deformation, Deformations, centred};
 use std::fs::File;
 use zip::ZipArchive;
 
@@ -102,13 +102,15 @@ fn other_heads_move_nearer_to_themselves_than_to_the_prototype() {
         for seed in [1, 2, 3] {
             let identity = normal(seed, heads.identities.len());
             let instance = heads.seen(&identity, EXPRESSIONS[0], 0.0, 0.0);
-            let reference = Reference::new(&front, &instance, by_size);
+            let keys = vec![Deformation::new(&front, &instance, by_size)];
+            let deformations = Deformations { keys };
             for yaw in [-30.0, -15.0, 0.0, 15.0, 30.0] {
                 for pitch in [-15.0, 0.0, 15.0] {
                     for expression in EXPRESSIONS {
                         let truth = heads.seen(&identity, expression, yaw, pitch);
                         let moved = at(expression, yaw, pitch);
-                        own.extend(apart(&centred(&reference.moved(&moved)).0, &truth));
+                        let found = centred(&deformations.moved(&moved, &[1.0])).0;
+                        own.extend(apart(&found, &truth));
                         prototype.extend(apart(&centred(&moved).0, &truth));
                     }
                 }

@@ -75,7 +75,7 @@ fn covered(set: &ViewSet) -> f64 {
     };
     let is_covered = |p: [f64; 2]| {
         set.layers[0].elements.iter().any(|element| {
-            let &[a, b, c] = element.points() else { return false };
+            let &[a, b, c] = element.vertices() else { return false };
             let [a, b, c] = [known[a], known[b], known[c]];
             let turns = [cross(a, b, p), cross(b, c, p), cross(c, a, p)];
             turns.iter().all(|turn| *turn >= 0.0) || turns.iter().all(|turn| *turn <= 0.0)

@@ -5,13 +5,11 @@ use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::Kernel;
 use sinew_trainer::bake::bake;
-use sinew_trainer::scattered::model::KernelModel;
 use sinew_trainer::views::fit::weights;
-use sinew_trainer::views::fit::{FitOptions, FittedMap, MapOutputs, fit};
-use sinew_trainer::views::inverse::{find, starts};
+use sinew_trainer::views::fit::{FitOptions, FittedMap, fit};
+use sinew_trainer::views::inverse::starts;
 use sinew_trainer::views::model::parts;
-use sinew_trainer::views::object::ObjectMap;
-use sinew_trainer::views::object::{Deformations, centred};
+use sinew_trainer::views::object::{ObjectMap, centred};
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Parameter, Values, View};
 use sinew_trainer::views::train::train;
@@ -22,12 +20,16 @@ const FOUND: f64 = 1e-4;
 /// Tolerance of points in single precision, pixels.
 const RUNTIME: f64 = 1e-3;
 
+fn of_map(map: &FittedMap) -> ObjectMap {
+    ObjectMap { model: map.model.clone(), outputs: map.outputs, deformations: None }
+}
+
 /// Finds the weights of key views for points that are moved, scaled, and in part hidden.
 fn weighed(map: &FittedMap, points: &[[f64; 2]], hidden: usize) -> Vec<f64> {
     let moved =
         |(k, [x, y]): (usize, &[f64; 2])| (k != hidden).then_some([0.7 * x + 31.0, 0.7 * y - 12.0]);
     let points: Vec<_> = points.iter().enumerate().map(moved).collect();
-    let found = find(&map.model, map.outputs, &points, &starts(&map.model)).unwrap();
+    let found = of_map(map).find(&points, &starts(&map.model)).unwrap();
     weights(&map.shown(&found.values).unwrap().scores)
 }
 
@@ -58,7 +60,7 @@ fn the_number_of_starts_is_limited() {
             assert!(values.len() == parameters && !all[..at].contains(values));
         }
         let points: Vec<_> = at(Some(1)).points;
-        let found = find(&map.model, map.outputs, &points, &all).unwrap();
+        let found = of_map(&map).find(&points, &all).unwrap();
         assert!((found.values["p1"] - 1.0).abs() < 1e-6 && found.values["p0"].abs() < 1e-6);
     }
 }
@@ -164,10 +166,8 @@ fn points_of_an_instance_give_its_parameters_back() {
     for (keys, by_size) in [(vec![12], false), (vec![12], true), (vec![2, 12, 22, 26], true)] {
         let Some([_, file]) = instance(&keys, by_size) else { return };
         let player = Player::new(&file, None).unwrap();
-        let model = KernelModel::from_file(player.map());
-        let deformations = Deformations::of(player.views()).unwrap();
-        let outputs = MapOutputs::of(player.views());
-        let object = ObjectMap { model: &model, outputs, deformations: Some(&deformations) };
+        let object = ObjectMap::new(&player);
+        assert!(object.deformations.is_some());
         let (mut worst, mut off) = (0.0f64, 0.0f64);
         for values in between() {
             let played = player.play(&values).unwrap();
@@ -177,7 +177,7 @@ fn points_of_an_instance_give_its_parameters_back() {
             off = off.max(most(&apart(&shown, &own)));
             near(
                 &played.weights(),
-                &weights(&outputs.evaluate(&model, &values).unwrap().scores),
+                &weights(&object.outputs.evaluate(&object.model, &values).unwrap().scores),
                 1e-4,
             );
             // The points are moved and enlarged, and every third point is hidden.
@@ -186,7 +186,7 @@ fn points_of_an_instance_give_its_parameters_back() {
                 .enumerate()
                 .map(|(k, [x, y])| (k % 3 > 0).then_some([1.3 * x - 40.0, 1.3 * y + 9.0]))
                 .collect();
-            let found = object.find(&points, &starts(&model)).unwrap();
+            let found = object.find(&points, &starts(&object.model)).unwrap();
             for (name, value) in &values {
                 // Training views go from -30 to 30 degrees, and from 0 to 1.
                 let range = if name == "yaw" || name == "pitch" { 60.0 } else { 1.0 };
@@ -207,14 +207,12 @@ fn one_key_view_places_the_prototype_by_the_closed_form() {
     for by_size in [false, true] {
         let Some([prototype, file]) = instance(&[12], by_size) else { return };
         let player = Player::new(&file, None).unwrap();
-        let (views, map) = (player.views(), KernelModel::from_file(player.map()));
-        let deformations = Deformations::of(views).unwrap();
-        let outputs = MapOutputs::of(views);
-        let object = ObjectMap { model: &map, outputs, deformations: Some(&deformations) };
+        let (views, object) = (player.views(), ObjectMap::new(&player));
+        assert!(object.deformations.is_some());
         for values in between() {
             let own = object.points(&values).unwrap();
             let points: Vec<_> = own.iter().copied().map(Some).collect();
-            let found = object.find(&points, &starts(&map)).unwrap();
+            let found = object.find(&points, &starts(&object.model)).unwrap();
             let moved = Player::new(&prototype, None).unwrap().play(&found.values).unwrap();
             let moved: Vec<[f64; 2]> =
                 moved.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();

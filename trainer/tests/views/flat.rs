@@ -148,7 +148,7 @@ pub(crate) fn found(
     let corner = corner.map(|x| x as f64);
     let places = |&vertex: &usize| model.mesh.vertices[vertex].at(&model.keys[view].points);
     let mut vertices: Vec<usize> =
-        model.mesh.layers[layer].iter().flat_map(|own| own.points()).copied().collect();
+        model.mesh.layers[layer].iter().flat_map(|own| own.vertices()).copied().collect();
     vertices.sort_unstable();
     vertices.dedup();
     let nearest = |texel: &[f64; 2]| {

@@ -2,7 +2,7 @@
 
 use super::common::{head, most, rms, squares};
 use sinew_trainer::views::fit::{FitOptions, fit};
-use sinew_trainer::views::inverse::find;
+use sinew_trainer::views::object::ObjectMap;
 
 /// Largest RMS error of the points of left-out views, and of the worst view, pixels.
 const LEFT_OUT: [f64; 2] = [0.002, 0.01];
@@ -84,7 +84,9 @@ fn parameters_are_found_from_points_alone() {
         // The visible points, moved and scaled.
         let moved = |k: usize| view.points[k].map(|[x, y]| [0.7 * x + 31.0, 0.7 * y - 12.0]);
         let points: Vec<_> = (0..158).map(|k| moved(k).filter(|_| view.visible[k])).collect();
-        let found = find(&map.model, map.outputs, &points, &starts).unwrap();
+        let object =
+            ObjectMap { model: map.model.clone(), outputs: map.outputs, deformations: None };
+        let found = object.find(&points, &starts).unwrap();
         for (name, value) in &view.values {
             let apart = (found.values[name] - value).abs();
             let is_angle = name == "yaw" || name == "pitch";

@@ -44,7 +44,7 @@ fn warped(
     let mut out = vec![None; SIDE * SIDE];
     let mut nearest = vec![f64::INFINITY; SIDE * SIDE];
     for element in elements {
-        let &[a, b, c] = element.points() else { panic!("triangles are made of points") };
+        let &[a, b, c] = element.vertices() else { panic!("triangles are made of points") };
         let corners = [to[a], to[b], to[c]];
         let area = cross(corners[0], corners[1], corners[2]);
         let end = |axis: usize, least: bool| {

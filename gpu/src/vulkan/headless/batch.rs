@@ -17,21 +17,6 @@ pub struct VulkanBatch<'d> {
 }
 
 impl<'d> VulkanBatch<'d> {
-    fn new(device: &'d Device, blob: &[u8], plan: &Plan) -> Result<Self, HeadlessError> {
-        let mut memory = BatchMemory::new(device, plan)?;
-        memory.write(Resource::Params, 0, &plan.params())?;
-        // Bindings have whole words.
-        let mut blob = blob.to_vec();
-        blob.resize(blob.len().next_multiple_of(4), 0);
-        memory.write(Resource::Blob, 0, &blob)?;
-        let pipelines = device.pipelines();
-        let (sets, buffers) = (memory.sets(plan)?, memory.buffers());
-        // SAFETY: buffers and sets have just been made for this plan, and live as long as the
-        // batch.
-        let bound = unsafe { Bound::new(device.device(), pipelines, plan, &buffers, &sets) }?;
-        Ok(Self { memory, bound })
-    }
-
     /// Returns the bound plan.
     pub fn bound(&self) -> &Bound {
         &self.bound
@@ -66,17 +51,6 @@ impl Uploaded for VulkanBatch<'_> {
         })
     }
 
-    fn run_stage(&mut self, stage: Stage, instance_len: usize) -> Result<(), HeadlessError> {
-        self.memory.submit(|device, commands| {
-            uploaded(device, commands);
-            // SAFETY: as above; the second barrier makes the writes of other stages visible.
-            unsafe {
-                barrier(device, commands);
-                Ok(self.bound.record_stage(device, commands, stage, instance_len)?)
-            }
-        })
-    }
-
     fn time_stage(
         &mut self,
         stage: Stage,
@@ -87,7 +61,7 @@ impl Uploaded for VulkanBatch<'_> {
         self.memory.submit(|device, commands| {
             uploaded(device, commands);
             for _ in 0..repeat_len {
-                // SAFETY: as in `run_stage`.
+                // SAFETY: as above; the second barrier makes the writes of other stages visible.
                 unsafe {
                     barrier(device, commands);
                     self.bound.record_stage(device, commands, stage, instance_len)?;
@@ -112,7 +86,17 @@ impl Device {
     /// # Errors
     /// [`HeadlessError`]
     pub fn batch(&self, blob: &[u8], plan: &Plan) -> Result<VulkanBatch<'_>, HeadlessError> {
-        VulkanBatch::new(self, blob, plan)
+        let mut memory = BatchMemory::new(self, plan)?;
+        memory.write(Resource::Params, 0, &plan.params())?;
+        // Bindings have whole words.
+        let mut blob = blob.to_vec();
+        blob.resize(blob.len().next_multiple_of(4), 0);
+        memory.write(Resource::Blob, 0, &blob)?;
+        let (sets, buffers) = (memory.sets(plan)?, memory.buffers());
+        // SAFETY: buffers and sets have just been made for this plan, and live as long as the
+        // batch.
+        let bound = unsafe { Bound::new(self.device(), self.pipelines(), plan, &buffers, &sets) }?;
+        Ok(VulkanBatch { memory, bound })
     }
 }
 
@@ -148,18 +132,24 @@ impl<'d> BatchMemory<'d> {
     fn new(device: &'d Device, plan: &Plan) -> Result<Self, HeadlessError> {
         let mut own = Self {
             device,
-            buffers: [const { None }; Resource::ALL.len()],
+            buffers: Default::default(),
             sets: vk::DescriptorPool::null(),
             commands: Commands::new(device)?,
         };
-        for resource in Resource::ALL {
-            let bytes = plan.bytes(resource);
+        for (resource, buffer) in Resource::ALL.into_iter().zip(&mut own.buffers) {
+            let bytes = plan.bytes(resource).next_multiple_of(4);
             if bytes > 0 {
-                let memory = Memory::local(device, bytes.next_multiple_of(4), usage(resource))?;
-                own.buffers[resource as usize] = Some(memory);
+                *buffer = Some(Memory::local(device, bytes, usage(resource))?);
             }
         }
-        own.clear()?;
+        own.submit(|device, commands| {
+            for memory in own.buffers.iter().flatten() {
+                let (buffer, whole) = (memory.buffer(), vk::WHOLE_SIZE);
+                // SAFETY: the buffer belongs to the device, and can be copied to.
+                unsafe { device.cmd_fill_buffer(commands, buffer, 0, whole, 0) };
+            }
+            Ok(())
+        })?;
         Ok(own)
     }
 
@@ -225,17 +215,6 @@ impl<'d> BatchMemory<'d> {
     ) -> Result<(), HeadlessError> {
         // SAFETY: the callers in this file record valid commands.
         unsafe { self.commands.submit(record) }
-    }
-
-    fn clear(&self) -> Result<(), HeadlessError> {
-        self.submit(|device, commands| {
-            for memory in self.buffers.iter().flatten() {
-                let (buffer, whole) = (memory.buffer(), vk::WHOLE_SIZE);
-                // SAFETY: the buffer belongs to the device, and can be copied to.
-                unsafe { device.cmd_fill_buffer(commands, buffer, 0, whole, 0) };
-            }
-            Ok(())
-        })
     }
 
     /// Copies a whole buffer into another, starting at byte `first`.

@@ -2,7 +2,7 @@
 
 use super::super::pipelines::{Pipelines, limits};
 use super::instance::{Vulkan, while_doing};
-use crate::headless::{DeviceInfo, HeadlessError};
+use crate::headless::{DeviceInfo, HeadlessError, refused};
 use crate::layout::{DeviceLimits, Stage};
 use ash::vk;
 use std::cell::Cell;
@@ -60,10 +60,9 @@ impl Device {
             unsafe { vulkan.instance.get_physical_device_queue_family_properties(physical) };
         let compute =
             |own: &vk::QueueFamilyProperties| own.queue_flags.contains(vk::QueueFlags::COMPUTE);
-        let family = families.iter().position(compute).ok_or_else(|| HeadlessError::Refused {
-            doing: "choosing a queue",
-            detail: "no family has compute".to_owned(),
-        })? as u32;
+        let family = families.iter().position(compute);
+        let family = family.ok_or_else(|| refused("choosing a queue")("no family has compute"))?;
+        let family = family as u32;
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(family)
             .queue_priorities(&[1.0])];

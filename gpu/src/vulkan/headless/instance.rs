@@ -1,7 +1,7 @@
 //! An instance of Vulkan 1.1, with or without validation: its devices, messages and errors.
 
 use super::super::error::Error;
-use crate::headless::{DeviceInfo, HeadlessError};
+use crate::headless::{DeviceInfo, HeadlessError, refused};
 use ash::{Entry, Instance, ext, ext::debug_utils, khr, vk};
 use std::ffi::{CStr, c_void};
 use std::sync::{Mutex, PoisonError};
@@ -11,7 +11,10 @@ const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 /// An instance, with the messages of the validation layer.
 pub(super) struct Vulkan {
     pub(super) instance: Instance,
-    validation: Option<(Messages, Messenger)>,
+    /// With validation, the messages so far, boxed because the layer holds their address.
+    messages: Option<Box<Messages>>,
+    /// The Vulkan object that passes messages on, until it is destroyed.
+    messenger: Option<(debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     /// Keeps the loader's library loaded.
     _entry: Entry,
 }
@@ -23,29 +26,27 @@ impl Vulkan {
             what: "the Vulkan loader",
             detail: format!("{error}; on Debian install libvulkan1 and mesa-vulkan-drivers"),
         })?;
-        let messages = match validation {
-            true => Some(validating(&entry)?),
-            false => None,
-        };
-        let instance = create(&entry, messages.as_ref())?;
-        let validation = match messages {
-            None => None,
+        if validation {
+            check_layer(&entry)?;
+        }
+        let messages = validation.then(Box::default);
+        let instance = create(&entry, messages.as_deref())?;
+        // From here on, a drop frees everything.
+        let mut own = Self { instance, messages, messenger: None, _entry: entry };
+        if let Some(messages) = &own.messages {
+            let api = debug_utils::Instance::new(&own._entry, &own.instance);
             // SAFETY: the instance has just been made with the extension.
-            Some(messages) => match unsafe { Messenger::new(&entry, &instance, &messages) } {
-                Ok(messenger) => Some((messages, messenger)),
-                Err(error) => {
-                    // SAFETY: the instance has no objects yet.
-                    unsafe { instance.destroy_instance(None) };
-                    return Err(error);
-                }
-            },
-        };
-        Ok(Self { instance, validation, _entry: entry })
+            let handle = unsafe { api.create_debug_utils_messenger(&messenger(messages), None) }
+                .map_err(while_doing("making a messenger"))?;
+            own.messenger = Some((api, handle));
+        }
+        Ok(own)
     }
 
     /// Lists the messages so far; `None` without validation.
     pub(super) fn messages(&self) -> Option<Vec<String>> {
-        self.validation.as_ref().map(|(messages, _)| messages.list())
+        let messages = self.messages.as_ref()?;
+        Some(messages.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
 
     /// Lists the devices, in the loader's order.
@@ -95,16 +96,16 @@ impl Drop for Vulkan {
         // SAFETY: the instance's objects are gone: only `Device` makes any, and it is dropped
         // before.
         unsafe {
-            if let Some((_, messenger)) = &self.validation {
-                messenger.destroy();
+            if let Some((api, handle)) = &self.messenger {
+                api.destroy_debug_utils_messenger(*handle, None);
             }
             self.instance.destroy_instance(None);
         }
     }
 }
 
-/// Finds the validation layer and its extensions.
-fn validating(entry: &Entry) -> Result<Messages, HeadlessError> {
+/// Checks that the validation layer and its extensions are installed.
+fn check_layer(entry: &Entry) -> Result<(), HeadlessError> {
     let missing = |detail: String| HeadlessError::Missing {
         what: "VK_LAYER_KHRONOS_validation",
         detail: format!("{detail}; on Debian install vulkan-validationlayers"),
@@ -123,7 +124,7 @@ fn validating(entry: &Entry) -> Result<Messages, HeadlessError> {
             return Err(missing(format!("the layer is without {}", name.to_string_lossy())));
         }
     }
-    Ok(Messages::new())
+    Ok(())
 }
 
 fn create(entry: &Entry, messages: Option<&Messages>) -> Result<Instance, HeadlessError> {
@@ -133,7 +134,7 @@ fn create(entry: &Entry, messages: Option<&Messages>) -> Result<Instance, Headle
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let layers = [LAYER.as_ptr()];
     let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
-    let mut messenger = messages.map(Messages::info);
+    let mut messenger = messages.map(messenger);
     let mut info = vk::InstanceCreateInfo::default().application_info(&application);
     if let Some(messenger) = &mut messenger {
         info = info
@@ -156,63 +157,21 @@ fn has(extensions: &[vk::ExtensionProperties], name: &CStr) -> bool {
     extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
 }
 
-/// The messages so far, boxed because the layer holds their address.
-struct Messages(Box<Mutex<Vec<String>>>);
+/// The messages of the validation layer.
+type Messages = Mutex<Vec<String>>;
 
-/// The Vulkan object that passes messages on, until it is destroyed.
-struct Messenger {
-    api: debug_utils::Instance,
-    handle: vk::DebugUtilsMessengerEXT,
-}
-
-impl Messages {
-    fn new() -> Self {
-        Self(Box::new(Mutex::new(Vec::new())))
-    }
-
-    /// Describes a messenger of warnings and errors. The messenger must not outlive these messages.
-    fn info(&self) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
-        let own: *const Mutex<_> = &*self.0;
-        vk::DebugUtilsMessengerCreateInfoEXT::default()
-            .message_severity(
-                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
-                    | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
-            )
-            // No general messages: the loader sends them about drivers that are not in use.
-            .message_type(
-                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
-                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
-            )
-            .pfn_user_callback(Some(receive))
-            .user_data(own.cast_mut().cast())
-    }
-
-    fn list(&self) -> Vec<String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-}
-
-impl Messenger {
-    /// # Safety
-    /// The instance must be valid and have the extension; the messages must outlive the messenger.
-    unsafe fn new(
-        entry: &Entry,
-        instance: &Instance,
-        messages: &Messages,
-    ) -> Result<Self, HeadlessError> {
-        let api = debug_utils::Instance::new(entry, instance);
-        // SAFETY: as our own caller promises.
-        let handle = unsafe { api.create_debug_utils_messenger(&messages.info(), None) }
-            .map_err(while_doing("making a messenger"))?;
-        Ok(Self { api, handle })
-    }
-
-    /// # Safety
-    /// The instance must be valid.
-    unsafe fn destroy(&self) {
-        // SAFETY: as our own caller promises.
-        unsafe { self.api.destroy_debug_utils_messenger(self.handle, None) };
-    }
+/// Describes a messenger of warnings and errors. The messenger must not outlive the messages.
+fn messenger(messages: &Messages) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+    use vk::{
+        DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Type,
+    };
+    let own: *const Messages = messages;
+    vk::DebugUtilsMessengerCreateInfoEXT::default()
+        .message_severity(Severity::WARNING | Severity::ERROR)
+        // No general messages: the loader sends them about drivers that are not in use.
+        .message_type(Type::VALIDATION | Type::PERFORMANCE)
+        .pfn_user_callback(Some(receive))
+        .user_data(own.cast_mut().cast())
 }
 
 /// Stores a message. Returns `FALSE`, as Vulkan requires, so that the call goes on.
@@ -223,7 +182,7 @@ unsafe extern "system" fn receive(
     messages: *mut c_void,
 ) -> vk::Bool32 {
     // SAFETY: the layer passes valid data, and the address that `info` gave.
-    let (data, messages) = unsafe { (&*data, &*messages.cast::<Mutex<Vec<String>>>()) };
+    let (data, messages) = unsafe { (&*data, &*messages.cast::<Messages>()) };
     let text = [data.p_message_id_name, data.p_message].map(|text| {
         if text.is_null() {
             return String::new();
@@ -239,7 +198,7 @@ unsafe extern "system" fn receive(
 pub(super) fn while_doing(doing: &'static str) -> impl Fn(vk::Result) -> HeadlessError {
     move |result| match result {
         vk::Result::ERROR_DEVICE_LOST => HeadlessError::Lost(doing.to_owned()),
-        _ => HeadlessError::Refused { doing, detail: result.to_string() },
+        _ => refused(doing)(result),
     }
 }
 
@@ -249,7 +208,7 @@ impl From<Error> for HeadlessError {
             Error::Layout(error) => Self::Layout(error),
             Error::Vulkan { doing, result } => while_doing(doing)(result),
             Error::NoPipeline { .. } | Error::NotPlanned { .. } | Error::Sets { .. } => {
-                Self::Refused { doing: "preparing or recording a batch", detail: error.to_string() }
+                refused("preparing or recording a batch")(error)
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::device::Device;
 use super::instance::while_doing;
-use crate::headless::HeadlessError;
+use crate::headless::{HeadlessError, refused};
 use ash::vk::{self, MemoryPropertyFlags as Flags};
 
 /// A buffer with its memory, freed when dropped. Commands that use the buffer must have been waited
@@ -25,8 +25,7 @@ impl<'d> Memory<'d> {
         bytes: u64,
         usage: vk::BufferUsageFlags,
     ) -> Result<Self, HeadlessError> {
-        let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
-        Self::new(device, bytes, usage | copied, Flags::DEVICE_LOCAL, Flags::DEVICE_LOCAL)
+        Self::new(device, bytes, usage, Flags::DEVICE_LOCAL, Flags::DEVICE_LOCAL)
     }
 
     /// Allocates a buffer in host-visible memory, cached if the device has such memory. The buffer
@@ -39,10 +38,8 @@ impl<'d> Memory<'d> {
         bytes: u64,
         usage: vk::BufferUsageFlags,
     ) -> Result<Self, HeadlessError> {
-        let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let visible = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
-        let mut own =
-            Self::new(device, bytes, usage | copied, visible | Flags::HOST_CACHED, visible)?;
+        let mut own = Self::new(device, bytes, usage, visible | Flags::HOST_CACHED, visible)?;
         let (whole, none) = (vk::WHOLE_SIZE, vk::MemoryMapFlags::empty());
         // SAFETY: the memory is host-visible and not mapped yet.
         let mapped = unsafe { device.device().map_memory(own.memory, 0, whole, none) }
@@ -84,14 +81,14 @@ impl<'d> Memory<'d> {
     }
 
     fn host_pointer(&self, bytes: usize, doing: &'static str) -> Result<*mut u8, HeadlessError> {
-        let refused = |detail: &str| HeadlessError::Refused { doing, detail: detail.to_owned() };
         if bytes as u64 > self.bytes {
-            return Err(refused("more bytes than there are"));
+            return Err(refused(doing)("more bytes than there are"));
         }
-        self.mapped.ok_or_else(|| refused("the host does not see it"))
+        self.mapped.ok_or_else(|| refused(doing)("the host does not see it"))
     }
 
-    /// Allocates a buffer and memory with the `wanted` flags, or at least with the `needed` flags.
+    /// Allocates a buffer that can be copied to and from, and memory with the `wanted` flags, or at
+    /// least with the `needed` flags.
     fn new(
         device: &'d Device,
         bytes: u64,
@@ -100,7 +97,8 @@ impl<'d> Memory<'d> {
         needed: Flags,
     ) -> Result<Self, HeadlessError> {
         let raw = device.device();
-        let info = vk::BufferCreateInfo::default().size(bytes).usage(usage);
+        let copied = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
+        let info = vk::BufferCreateInfo::default().size(bytes).usage(usage | copied);
         // SAFETY: the device is valid, here and below. A drop frees the objects made so far.
         let buffer =
             unsafe { raw.create_buffer(&info, None) }.map_err(while_doing("making a buffer"))?;
@@ -115,10 +113,8 @@ impl<'d> Memory<'d> {
             });
             fitting.next().map(|(_, index)| index)
         };
-        let kind = kind(wanted).or_else(|| kind(needed)).ok_or_else(|| HeadlessError::Refused {
-            doing: "choosing memory",
-            detail: "no type of memory serves".to_owned(),
-        })?;
+        let kind = kind(wanted).or_else(|| kind(needed));
+        let kind = kind.ok_or_else(|| refused("choosing memory")("no type of memory serves"))?;
         let info =
             vk::MemoryAllocateInfo::default().allocation_size(asked.size).memory_type_index(kind);
         // SAFETY: the memory type belongs to the device.

@@ -25,8 +25,19 @@ fn default_limits_are_the_runtimes() {
     // SAFETY: one structure to be written.
     let found = get(|out| unsafe { sinew_limits_default(out, NONE) });
     let expected = sinew_runtime::Limits::DEFAULT;
-    assert_eq!(sinew_runtime::Limits::from(&found), expected);
-    assert_eq!((found.parts, found.sections), (expected.parts, expected.sections));
+    let sinew_limits { file_bytes, parts, sections, vertices, joints, proxies, influences, shapes } =
+        found;
+    let found = sinew_runtime::Limits {
+        file_bytes,
+        parts,
+        sections,
+        vertices,
+        joints,
+        proxies,
+        influences,
+        shapes,
+    };
+    assert_eq!(found, expected);
 }
 
 #[test]

@@ -271,33 +271,6 @@ const FILE_KINDS: [FileErrorKind; 21] = {
         Space,
     ]
 };
-const ARGUMENTS: [Argument; 22] = {
-    use Argument::*;
-    [
-        Call,
-        Pose,
-        Local,
-        Scratch,
-        Palette,
-        Confidences,
-        Relative,
-        Rotations,
-        Gradients,
-        Features,
-        Vertices,
-        Remap,
-        RestPositions,
-        RestNormals,
-        RestTangents,
-        Positions,
-        Normals,
-        Tangents,
-        Query,
-        Outputs,
-        Jacobian,
-        Variances,
-    ]
-};
 
 fn name(value: impl Debug) -> String {
     format!("{value:?}")
@@ -313,9 +286,9 @@ fn kinds_and_arguments_keep_their_names_and_order() {
         let status = sinew_status::from(kind);
         assert_eq!((name(status), status as i32), (format!("File{kind:?}"), number));
     }
-    for (argument, number) in ARGUMENTS.into_iter().zip(0..) {
+    for argument in Argument::ALL {
         let same = sinew_argument::from(argument);
-        assert_eq!((name(same), same as u32), (name(argument), number));
+        assert_eq!((name(same), same as u32), (name(argument), argument as u32));
         // SAFETY: the library's texts end in a zero and stay valid.
         let text = unsafe { CStr::from_ptr(sinew_argument_text(same as u32)) };
         assert_eq!(text.to_str(), Ok(argument.name()));

@@ -4,41 +4,35 @@
 
 use crate::lanes::{Lanes, Real, in_lanes};
 use crate::linear::Distances;
+use crate::named::named;
 use crate::numeric::{EXP_MAX, exp_negative, lesser, one_minus_exp_negative, sqrt};
 
-/// Kernel of a group, as a function of the squared scaled distance s (METHOD §2.1).
-///
-/// The number of a kernel in the file is the kernel's place in the table of METHOD §2.1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum GroupKernel {
-    /// `e^-s`.
-    Gaussian = 8,
-    /// `e^-a`, a = √s.
-    Matern12 = 9,
-    /// `(1 + a) e^-a`, a = √(3 s).
-    Matern32 = 10,
-    /// `(1 + a + a²/3) e^-a`, a = √(5 s).
-    Matern52 = 11,
+named! {
+    /// Kernel of a group, as a function of the squared scaled distance s (METHOD §2.1).
+    ///
+    /// The number of a kernel in the file is the kernel's place in the table of METHOD §2.1.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum GroupKernel {
+        /// `e^-s`.
+        Gaussian = 8, "gaussian";
+        /// `e^-a`, a = √s.
+        Matern12 = 9, "Matérn 1/2";
+        /// `(1 + a) e^-a`, a = √(3 s).
+        Matern32 = 10, "Matérn 3/2";
+        /// `(1 + a + a²/3) e^-a`, a = √(5 s).
+        Matern52 = 11, "Matérn 5/2";
+    }
+    /// Every kernel.
+    ALL;
+    /// Returns the kernel's name in FORMAT.md.
+    name;
 }
 
 impl GroupKernel {
-    /// Every kernel.
-    pub const ALL: [Self; 4] = [Self::Gaussian, Self::Matern12, Self::Matern32, Self::Matern52];
-
     /// Returns the kernel's number in the file.
     pub const fn number(self) -> u8 {
         self as u8
-    }
-
-    /// Returns the kernel's name in FORMAT.md.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Gaussian => "gaussian",
-            Self::Matern12 => "Matérn 1/2",
-            Self::Matern32 => "Matérn 3/2",
-            Self::Matern52 => "Matérn 5/2",
-        }
     }
 
     /// Returns the kernel with a number; `None` if there is none.

@@ -2,6 +2,7 @@
 
 use crate::envelope::view::Envelope;
 use crate::linear::{Matrix3x4, inverse};
+use crate::named::named;
 use core::fmt;
 
 /// Allowed difference between the products of a matrix's rows and the products of a rotation's rows: a scale of 1.001.
@@ -28,98 +29,56 @@ pub struct PoseFault {
     pub axes: [i8; 3],
 }
 
-/// Mistake of a [`PoseFault`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum PoseFaultKind {
-    /// The number of matrices differs from the number of joints.
-    Length = 1,
-    /// A matrix is not finite.
-    NonFinite = 2,
-    /// A matrix mirrors.
-    Mirrored = 3,
-    /// A matrix scales by [`PoseFault::factor`] along all axes.
-    Scaled = 4,
-    /// A matrix scales unevenly, or shears.
-    Stretched = 5,
-    /// The rotations are transposed, and the translations may be lost.
-    Transposed = 6,
-    /// Lengths are in another unit: multiply lengths by [`PoseFault::factor`] to get the model's unit.
-    Units = 7,
-    /// The pose has other axes of the same handedness, [`PoseFault::axes`].
-    Axes = 8,
-    /// The pose has axes of the other handedness, [`PoseFault::axes`].
-    Handedness = 9,
-    /// A joint is not where its parent carries it, and no mistake about the whole pose explains the gap.
-    Apart = 10,
-    /// No frame was written: a matrix is zero, or all gathered frames are the identity.
-    Unset = 11,
-    /// The matrices are the joints' frames: the inverse bind matrices were not applied.
-    Frames = 12,
-    /// The inverse bind matrices were applied twice.
-    BoundTwice = 13,
-    /// Each matrix, or each gathered frame, is in the space of the joint's parent.
-    Local = 14,
+named! {
+    /// Mistake of a [`PoseFault`].
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum PoseFaultKind {
+        /// The number of matrices differs from the number of joints.
+        Length = 1, "give one matrix for each joint, in the order of the file's joints";
+        /// A matrix is not finite.
+        NonFinite = 2, "look where the joint's matrix comes from";
+        /// A matrix mirrors.
+        Mirrored = 3, "take the mirror out of the actor and put it on the palette";
+        /// A matrix scales by [`PoseFault::factor`] along all axes.
+        Scaled = 4,
+            "take a scale that all joints share out with take_scale and put it on the palette; joints scaled by \
+            themselves are not part of the model";
+        /// A matrix scales unevenly, or shears.
+        Stretched = 5, "joints only turn and move: drop scale and shear from the joint";
+        /// The rotations are transposed, and the translations may be lost.
+        Transposed = 6, "read the matrices with matrix::from_columns";
+        /// Lengths are in another unit: multiply lengths by [`PoseFault::factor`] to get the model's unit.
+        Units = 7, "convert the pose, or bake the model in your unit with --to-unit";
+        /// The pose has other axes of the same handedness, [`PoseFault::axes`].
+        Axes = 8, "convert the pose, or bake the model in your axes with --to-up and --to-forward";
+        /// The pose has axes of the other handedness, [`PoseFault::axes`].
+        Handedness = 9,
+            "convert the pose, or bake the model in your axes with --to-hand, --to-up and --to-forward";
+        /// A joint is not where its parent carries it, and no mistake about the whole pose explains the gap.
+        Apart = 10,
+            "look whether the joint has this parent and this inverse bind matrix, or train with poses that move \
+            it so far";
+        /// No frame was written: a matrix is zero, or all gathered frames are the identity.
+        Unset = 11, "write the skeleton's frames before the pose is made of them";
+        /// The matrices are the joints' frames: the inverse bind matrices were not applied.
+        Frames = 12, "multiply each frame by the joint's inverse bind matrix, as gather_pose does";
+        /// The inverse bind matrices were applied twice.
+        BoundTwice = 13, "give gather_pose the joints' frames, not skinning matrices";
+        /// Each matrix, or each gathered frame, is in the space of the joint's parent.
+        Local = 14,
+            "chain the local transforms with model_space_pose, or take frames after the hierarchy pass";
+    }
+    /// Every kind.
+    ALL;
+    /// Returns how to fix the mistake.
+    remedy;
 }
 
 impl PoseFault {
     /// Makes a fault of a joint, in the model's axes and unit.
     pub(super) const fn new(kind: PoseFaultKind, joint: usize) -> Self {
         Self { kind, joint, factor: 1.0, found: 0.0, allowed: 0.0, axes: [1, 2, 3] }
-    }
-}
-
-impl PoseFaultKind {
-    /// Every kind.
-    pub const ALL: [Self; 14] = [
-        Self::Length,
-        Self::NonFinite,
-        Self::Mirrored,
-        Self::Scaled,
-        Self::Stretched,
-        Self::Transposed,
-        Self::Units,
-        Self::Axes,
-        Self::Handedness,
-        Self::Apart,
-        Self::Unset,
-        Self::Frames,
-        Self::BoundTwice,
-        Self::Local,
-    ];
-
-    /// Returns how to fix the mistake.
-    pub const fn remedy(self) -> &'static str {
-        match self {
-            Self::Length => "give one matrix for each joint, in the order of the file's joints",
-            Self::NonFinite => "look where the joint's matrix comes from",
-            Self::Mirrored => "take the mirror out of the actor and put it on the palette",
-            Self::Scaled => {
-                "take a scale that all joints share out with take_scale and put it on the palette; joints scaled by \
-                 themselves are not part of the model"
-            }
-            Self::Stretched => "joints only turn and move: drop scale and shear from the joint",
-            Self::Transposed => "read the matrices with matrix::from_columns",
-            Self::Units => "convert the pose, or bake the model in your unit with --to-unit",
-            Self::Axes => {
-                "convert the pose, or bake the model in your axes with --to-up and --to-forward"
-            }
-            Self::Handedness => {
-                "convert the pose, or bake the model in your axes with --to-hand, --to-up and --to-forward"
-            }
-            Self::Apart => {
-                "look whether the joint has this parent and this inverse bind matrix, or train with poses that move \
-                 it so far"
-            }
-            Self::Unset => "write the skeleton's frames before the pose is made of them",
-            Self::Frames => {
-                "multiply each frame by the joint's inverse bind matrix, as gather_pose does"
-            }
-            Self::BoundTwice => "give gather_pose the joints' frames, not skinning matrices",
-            Self::Local => {
-                "chain the local transforms with model_space_pose, or take frames after the hierarchy pass"
-            }
-        }
     }
 }
 

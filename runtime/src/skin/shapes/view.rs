@@ -4,7 +4,7 @@ use super::super::bounds::Bounds;
 use super::super::counts::{BLOCK, RULES, ShapeErrors, place};
 use super::super::view::Skin;
 use super::blocks::{Blocks, SHAPES};
-use crate::error::{Argument, CallError, CallErrorKind};
+use crate::error::{Argument, CallError};
 use crate::format::rule::Rule;
 use crate::format::{Element, SectionKind};
 use crate::linear::{Le, Matrix3x4, floats};
@@ -80,10 +80,7 @@ impl<'a> Skin<'a> {
     /// Checks the number of weights, [`Skin::shape_len`], and that all weights are finite.
     pub(crate) fn check_weights(&self, weights: &[f32]) -> Result<(), CallError> {
         Argument::Weights.check_len(self.shape_len(), weights.len())?;
-        match weights.iter().position(|weight| !weight.is_finite()) {
-            None => Ok(()),
-            Some(at) => Err(CallError::new(CallErrorKind::NonFinite, Argument::Weights).at(at)),
-        }
+        Argument::Weights.check_finite(weights.iter().position(|weight| !weight.is_finite()))
     }
 
     /// Computes the box around 0 and the offsets of all vertices by the weighted shapes.

@@ -23,7 +23,7 @@ pub fn correction(
     let first = oracle.first_proxy();
     let (value, confidence) = oracle.correct(&pose.value, &features.value, base.value.clone());
     let mut error = base.error;
-    let mut expected = ExpectedErrorBounds::ZERO;
+    let mut expected = ExpectedErrorBounds::default();
     for group in oracle.groups.iter().filter(|group| group.has_centres()) {
         let (k, k_error, known) = added(group, features, arithmetic);
         expected = expected.plus(known);

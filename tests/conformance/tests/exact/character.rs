@@ -57,7 +57,7 @@ impl<'a> Character<'a> {
         let threshold = sorted[sorted.len() / 4];
         Self {
             joint_len: examples.joint_len(),
-            sequences: (0..keys.len()).map(|l| keys.sequence(l, &basis.vectors)).collect(),
+            sequences: keys.sequences(&basis.vectors),
             fixed: errors.iter().map(|&error| error < threshold).collect(),
             proxies: proxies.weights,
             keys: keys.weights,

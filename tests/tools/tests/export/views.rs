@@ -80,7 +80,7 @@ fn primitives(glb: &[u8], model: &ViewsModel, layer: impl Fn(&str) -> usize) -> 
 /// Finds the vertices of a layer at the places in the pictures of primitives with shared vertices.
 fn vertices(model: &ViewsModel, layer: usize, primitives: &[&Primitive]) -> Vec<usize> {
     let mut all: Vec<usize> =
-        model.mesh.layers[layer].iter().flat_map(|own| own.points()).copied().collect();
+        model.mesh.layers[layer].iter().flat_map(|own| own.vertices()).copied().collect();
     all.sort_unstable();
     all.dedup();
     let nearest = |row: usize| {

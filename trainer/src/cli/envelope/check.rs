@@ -41,10 +41,10 @@ const ROWS: usize = 16;
 
 impl Run for CheckArgs {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
-        let input = self.input.load_to_check(output)?;
+        // The check reports the findings of validation itself.
+        let input = self.input.load(output, |warning| !warning.is_of_validation())?;
         let source = self.input.named();
         let checked = check(&input.examples, &input.clips, &Bars::new(output)).context(source)?;
-        // The check reports the findings of validation itself.
         let is_printed = |warning: &&Warning| !output.quiet && !warning.is_of_validation();
         let printed: Vec<&Warning> = input.warnings.iter().filter(is_printed).collect();
         let text = describe(&checked, &input.examples.space, &printed);

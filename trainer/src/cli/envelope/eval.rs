@@ -77,24 +77,28 @@ impl MeasuredArgs {
         space: &StatedSpace,
         output: Output,
     ) -> anyhow::Result<Loaded> {
-        let mut loaded = self.input.load_to_measure(output)?;
+        // Meshes of a scene's own skinning are reported below.
+        let mut loaded = self.input.load(output, |warning| *warning != Warning::PlainSkin)?;
         space.set(&mut loaded.examples, self.input.named())?;
         input::convert_to_model(&mut loaded.examples, model, self.skin.as_deref());
         Ok(loaded)
     }
 
-    /// Refuses meshes of a scene's own skinning if training had other meshes; warns of them otherwise.
+    /// Opens the model and the record of its training. Refuses meshes of a scene's own skinning if training had other
+    /// meshes; warns of them otherwise.
     ///
     /// Training had such meshes if it has read most frames: a scene of many influences leaves an error of LBS too.
-    pub(super) fn refuse_forgotten_targets(
+    pub(super) fn open<'a>(
         &self,
-        warnings: &[Warning],
-        (character, recorded): (&Character<'_>, &TrainingRecord),
-        examples: &Examples,
+        model: &'a [u8],
+        Loaded { examples, clips, warnings }: &Loaded,
         output: Output,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<(Character<'a>, TrainingRecord)> {
+        let character = Character::open(model, self.skin.as_deref(), examples)
+            .map_err(|error| self.blame(error, &self.model.file, clips))?;
+        let recorded = TrainingRecord::of(model, &character, examples);
         if !warnings.contains(&Warning::PlainSkin) {
-            return Ok(());
+            return Ok((character, recorded));
         }
         let certificate = character.envelope.certificate();
         let lbs = 100.0 * certificate.lbs_training_rms / certificate.diagonal;
@@ -108,7 +112,7 @@ impl MeasuredArgs {
             );
         }
         output.warn(self.input.named(), Warning::PlainSkin);
-        Ok(())
+        Ok((character, recorded))
     }
 
     /// Chooses the frames to measure.
@@ -118,7 +122,7 @@ impl MeasuredArgs {
     pub(super) fn frames(
         &self,
         recorded: &TrainingRecord,
-        (examples, clips): (&Examples, &[Clip]),
+        Loaded { examples, clips, .. }: &Loaded,
     ) -> anyhow::Result<Frames> {
         let source = self.input.named();
         let frames = self.split.unwrap_or_else(|| Frames::usual(examples, recorded));
@@ -154,26 +158,20 @@ impl Run for Eval {
         files::refuse_same(&[vertices.as_ref(), normals.as_ref()])?;
         let model = files::read_model(&measured.model.file)?;
         let loaded = measured.load(&model, &self.space, output)?;
-        let Loaded { examples, clips, warnings } = loaded;
         let measuring = Bars::busy(output, "measuring");
-        let blamed = |error| measured.blame(error, &measured.model.file, &clips);
-        let character =
-            Character::open(&model, measured.skin.as_deref(), &examples).map_err(blamed)?;
-        let recorded = TrainingRecord::of(&model, &character, &examples);
-        let known = (&character, &recorded);
-        measured.refuse_forgotten_targets(&warnings, known, &examples, output)?;
-        let frames = measured.frames(&recorded, (&examples, &clips))?;
-        let evaluation = Evaluation::of((&character, model.len()), &recorded, &examples, frames)
-            .map_err(blamed)?;
-        let chosen = frames.of(&examples, &recorded);
+        let (character, recorded) = measured.open(&model, &loaded, output)?;
+        let frames = measured.frames(&recorded, &loaded)?;
+        let Loaded { examples, clips, .. } = &loaded;
+        let evaluation = Evaluation::of((&character, model.len()), &recorded, examples, frames)
+            .map_err(|error| measured.blame(error, &measured.model.file, clips))?;
+        let chosen = frames.of(examples, &recorded);
         let mut written = Vec::new();
         for (target, attribute) in [
-            (&vertices, SkinnedFrame::positions as fn(&SkinnedFrame) -> &[f32]),
-            (&normals, SkinnedFrame::normals),
+            (&vertices, (|frame| frame.positions) as fn(SkinnedFrame) -> Vec<f32>),
+            (&normals, |frame| frame.normals),
         ] {
             let Some(target) = target else { continue };
-            let bytes =
-                skinned(&character, &examples, &chosen, attribute).context("cannot skin")?;
+            let bytes = skinned(&character, examples, &chosen, attribute).context("cannot skin")?;
             written.push((target, bytes));
         }
         let written: Vec<_> = written.iter().map(|(target, bytes)| (*target, &bytes[..])).collect();
@@ -181,7 +179,7 @@ impl Run for Eval {
         drop(measuring);
         let found = evaluation.errors.rms_percent;
         let failure = self.fail_above.filter(|most| found > *most).map(|most| {
-            let model = measured.model.named();
+            let model = measured.model.file.display();
             format!("{model}: the error is {found:.4} %, above --fail-above {most}")
         });
         let report = Report::of(&evaluation).text(table::evaluation(&evaluation));
@@ -194,7 +192,7 @@ fn skinned(
     character: &Character<'_>,
     examples: &Examples,
     frames: &[usize],
-    attribute: fn(&SkinnedFrame) -> &[f32],
+    attribute: fn(SkinnedFrame) -> Vec<f32>,
 ) -> anyhow::Result<Vec<u8>> {
     use npyz::WriterBuilder;
     let shape = [frames.len() as u64, examples.vertex_len() as u64, 3];
@@ -202,9 +200,8 @@ fn skinned(
     let mut writer =
         npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut bytes).begin_nd()?;
     for &frame in frames {
-        let skinned = skin(character, examples, frame)?;
-        let copies: &[[f32; 3]] = attribute(&skinned).as_chunks().0;
-        let own = examples.surface().of_first_copies(copies);
+        let values = attribute(skin(character, examples, frame)?);
+        let own = examples.surface().of_first_copies(values.as_chunks::<3>().0);
         writer.extend(own.into_iter().flatten())?;
     }
     writer.finish()?;

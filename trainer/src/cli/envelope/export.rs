@@ -3,13 +3,13 @@
 use super::levels::{self, AlsoArguments};
 use crate::cli::arguments::TargetSpace;
 use crate::cli::{
-    Bars, ModelArgs, Output, OutputFile, Report, Run, StatedSpace, ending, files, input, number,
-    printable,
+    Bars, ModelArgs, OfFile, Output, OutputFile, Report, Run, StatedSpace, ending, files, input,
+    number, printable,
 };
 use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
-use sinew_trainer::envelope::levels::{LevelReport, check_places};
+use sinew_trainer::envelope::levels::check_places;
 use sinew_trainer::envelope::posed::rest;
 use sinew_trainer::evaluate::Character;
 use sinew_trainer::examples::{Clip, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
@@ -17,6 +17,7 @@ use sinew_trainer::export::{Export, ExportInto, Grafted, Stand, check_clips};
 use sinew_trainer::formats::appearance;
 use sinew_trainer::space::SpaceRequest;
 use sinew_trainer::{Error, ErrorKind};
+use std::mem::take;
 use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
@@ -111,10 +112,9 @@ impl Run for ExportArgs {
         let target = OutputFile::new(&self.output, &inputs)?.ending_in(&["glb"])?;
         let model = files::read_model(&self.model.file)?;
         let skin = self.skin.as_deref();
-        let character =
-            Character::find(&model, skin).map_err(|error| error.in_file(&self.model.file))?;
-        let known =
-            (0..character.envelope.joint_len()).filter_map(|j| character.envelope.joint_name(j));
+        let character = Character::find(&model, skin).of(&self.model.file)?;
+        let envelope = &character.envelope;
+        let known = (0..envelope.joint_len()).filter_map(|joint| envelope.joint_name(joint));
         let known: Vec<String> = known.map(str::to_owned).collect();
         let names = JointNames {
             prefixes: &self.rename_joints,
@@ -133,10 +133,10 @@ impl Run for ExportArgs {
         let exporting = Bars::busy(output, "exporting");
         let (examples, clips, levels) = (&examples, &clips, &levels);
         let model = &model;
-        check_clips(clips).map_err(|error| error.in_file(&self.clip))?;
+        check_clips(clips).of(&self.clip)?;
         // The error names the further mesh.
         check_places(levels, examples)?;
-        let (glb, exported) = match &self.into {
+        let (glb, names, levels, into) = match &self.into {
             None => {
                 let stand = stand(&self.space, &self.target, &character.space)?;
                 let dressed = self.mesh.as_ref().unwrap_or(&self.clip);
@@ -149,22 +149,20 @@ impl Run for ExportArgs {
                 let export =
                     Export { model, skin, examples, clips, between, levels, appearance, stand };
                 let exported = export.run().map_err(|error| self.blame(error, clips))?;
-                let names = clips.iter().map(|clip| clip.name.clone()).collect();
-                (exported.glb, Exported { names, levels: exported.levels, into: None })
+                let names: Vec<String> = clips.iter().map(|clip| clip.name.clone()).collect();
+                (exported.glb, names, exported.levels, None)
             }
             Some(file) => {
                 let export =
                     ExportInto { model, skin, examples, clips, between, levels, names, file };
-                let grafted = export.run().map_err(|error| self.blame(error, clips))?;
-                let Grafted { animations: names, meshes, added_joints, kept_animations, .. } =
-                    grafted;
-                let into = Some(IntoReport { meshes, added_joints, kept_animations });
-                (grafted.glb, Exported { names, levels: grafted.levels, into })
+                let mut own = export.run().map_err(|error| self.blame(error, clips))?;
+                let (glb, names) = (take(&mut own.glb), take(&mut own.animations));
+                (glb, names, take(&mut own.levels), Some(own))
             }
         };
         drop(exporting);
         let diagonal_mm = examples.diagonal_mm();
-        levels::warn(&exported.levels, &self.further.also, diagonal_mm, output);
+        levels::warn(&levels, &self.further.also, diagonal_mm, output);
         let influences = character.skin.influence_len();
         if influences > USUAL_INFLUENCES {
             let sets = format!(
@@ -173,27 +171,32 @@ impl Run for ExportArgs {
             );
             output.warn(self.output.display(), sets);
         }
-        if let (Some(file), Some(into)) = (&self.into, &exported.into) {
-            into.warn(file, output);
+        if let (Some(file), Some(into)) = (&self.into, &into) {
+            warn_of(into, file, output);
         }
-        let animations = exported.names.iter().zip(clips);
+        let animations = names.iter().zip(clips);
         let frames = animations
             .clone()
             .map(|(name, clip)| format!("{} ({} frames)", printable(name), clip.times.len()));
         let frames = format!("animations: {}", frames.collect::<Vec<_>>().join(", "));
         let as_json =
             |(name, clip): (&String, &Clip)| json!({ "name": name, "frames": clip.times.len() });
-        let meshes = exported
-            .into
-            .as_ref()
-            .map(|into| format!("meshes: {}", printable(&into.meshes.join(", "))));
+        let meshes =
+            into.as_ref().map(|into| format!("meshes: {}", printable(&into.meshes.join(", "))));
+        let into = into.map(|Grafted { meshes, added_joints, kept_animations, .. }| {
+            json!({
+                "meshes": meshes,
+                "added_joints": added_joints,
+                "kept_animations": kept_animations,
+            })
+        });
         Ok(Report::default()
-            .list("levels", levels::report(&exported.levels, diagonal_mm))
+            .list("levels", levels::report(&levels, diagonal_mm))
             .write(&target, &glb)?
             .text(meshes.unwrap_or_default())
             .text(frames)
             .json("animations", animations.map(as_json).collect::<Vec<_>>())
-            .json("into", &exported.into))
+            .json("into", into))
     }
 }
 
@@ -253,35 +256,15 @@ fn renaming(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// Reported results of an export.
-struct Exported {
-    /// Name of each clip's animation.
-    names: Vec<String>,
-    levels: Vec<LevelReport>,
-    into: Option<IntoReport>,
-}
-
-/// Changes of an artist's file.
-#[derive(serde::Serialize)]
-struct IntoReport {
-    meshes: Vec<String>,
-    added_joints: Vec<String>,
-    kept_animations: Vec<String>,
-}
-
-impl IntoReport {
-    fn warn(&self, file: &Path, output: Output) {
-        if !self.added_joints.is_empty() {
-            let joints = printable(&self.added_joints.join(", "));
-            output.warn(
-                file.display(),
-                format!("has no nodes of these names, which were added: {joints}"),
-            );
-        }
-        if !self.kept_animations.is_empty() {
-            let names = printable(&self.kept_animations.join(", "));
-            let text = format!("animations that it had move the joints and no helper: {names}");
-            output.warn(file.display(), text);
+/// Warns of changes of an artist's file.
+fn warn_of(own: &Grafted, file: &Path, output: Output) {
+    for (what, names) in [
+        ("has no nodes of these names, which were added", &own.added_joints),
+        ("animations that it had move the joints and no helper", &own.kept_animations),
+    ] {
+        if !names.is_empty() {
+            let names = printable(&names.join(", "));
+            output.warn(file.display(), format!("{what}: {names}"));
         }
     }
 }

@@ -4,7 +4,7 @@ use super::eval::MeasuredArgs;
 use super::table;
 use crate::cli::{Bars, Output, OutputFile, Report, Run, StatedSpace, files};
 use anyhow::Context;
-use sinew_trainer::evaluate::{Character, TrainingRecord};
+use sinew_trainer::evaluate::Character;
 use sinew_trainer::examples::{Clip, Loaded};
 use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
 use sinew_trainer::report::{Page, PictureOptions, outputs};
@@ -86,18 +86,14 @@ impl Run for ReportArgs {
         let bytes = files::read_model(&measured.model.file)?;
         let other = self.compare.as_deref().map(files::read_model).transpose()?;
         let loaded = measured.load(&bytes, &self.space, output)?;
-        let Loaded { examples, clips, warnings } = loaded;
+        let Loaded { examples, clips, .. } = &loaded;
         let skin = measured.skin.as_deref();
-        let blamed = |error, model| measured.blame(error, model, &clips);
+        let blamed = |error, model| measured.blame(error, model, clips);
         // Errors of the models are found before LBS is fitted.
-        let character = Character::open(&bytes, skin, &examples);
-        let character = character.map_err(|error| blamed(error, &measured.model.file))?;
-        let recorded = TrainingRecord::of(&bytes, &character, &examples);
-        let known = (&character, &recorded);
-        measured.refuse_forgotten_targets(&warnings, known, &examples, output)?;
+        let (_, recorded) = measured.open(&bytes, &loaded, output)?;
         let compared = self.compare.as_deref().zip(other.as_deref());
         if let Some((path, bytes)) = compared {
-            Character::open(bytes, skin, &examples).map_err(|error| blamed(error, path))?;
+            Character::open(bytes, skin, examples).map_err(|error| blamed(error, path))?;
         }
         let measuring = Bars::busy(output, "measuring");
         let names = names(&measured.model.file, self.compare.as_deref());
@@ -105,9 +101,9 @@ impl Run for ReportArgs {
         let files: Vec<String> =
             measured.input.examples.iter().map(|file| file_name(file)).collect();
         let source_name = files.join(", ");
-        let source = NamedExamples { examples: &examples, clips: &clips, name: &source_name };
+        let source = NamedExamples { examples, clips, name: &source_name };
         let file = NamedModel { name, bytes: &bytes, skin };
-        let frames = measured.frames(&recorded, (&examples, &clips))?;
+        let frames = measured.frames(&recorded, &loaded)?;
         let mut comparison = Comparison::new(source, Some(frames), file)
             .map_err(|error| blamed(error, &measured.model.file))?;
         if let Some((path, bytes)) = compared {
@@ -120,17 +116,15 @@ impl Run for ReportArgs {
         let page = page.html(&Bars::new(output))?;
         let mut written = vec![(&page_file, page.into_bytes())];
         if let Some(target) = &csv_file {
-            written.push((
-                target,
-                outputs::frames_csv(&comparison).context("cannot write the table")?,
-            ));
+            let rows = outputs::frames_csv(&comparison).context("cannot write the table")?;
+            written.push((target, rows));
         }
         if let Some(target) = &ply_file {
             written.push((target, outputs::rest_mesh_ply(&comparison)));
         }
         if let Some(target) = &gif_file {
             let options = PictureOptions { width: GIF_WIDTH, ..options };
-            let fps = Clip::rate_of(&clips).unwrap_or(SLOW);
+            let fps = Clip::rate_of(clips).unwrap_or(SLOW);
             // Browsers show delays below two hundredths as ten.
             let hundredths = (100.0 / fps).round().clamp(2.0, 100.0) as u16;
             written.push((target, outputs::frames_gif(&comparison, &options, hundredths)?));

@@ -221,8 +221,9 @@ impl Run for Train {
             bail!("cannot write {}: model and record are one file", self.output.display());
         }
         let mut hashes = self.input.hashes()?;
-        let Loaded { mut examples, clips, warnings } = self.input.load_to_check(output)?;
         // The check reports the findings of validation itself.
+        let loaded = self.input.load(output, |warning| !warning.is_of_validation())?;
+        let Loaded { mut examples, clips, warnings } = loaded;
         let own = warnings.iter().filter(|warning| !warning.is_of_validation());
         let mut recorded: Vec<String> = own.map(ToString::to_string).collect();
         let source = self.input.named();

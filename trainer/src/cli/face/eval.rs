@@ -1,6 +1,6 @@
 //! `sinew face eval` and `report`: accuracy of a few handles, as a table or as a page.
 
-use super::input::{self, TakeFile};
+use super::input;
 use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, count, table};
 use anyhow::bail;
 use sinew_trainer::face::baked::BakedFace;
@@ -74,17 +74,13 @@ impl Measured {
         let face = self.model.face(&model)?;
         let landmarks = self.model.outline(&face)?.landmarks;
         if landmarks.is_empty() {
-            bail!(
-                "{}: the face has no landmarks: give them to `train` by --landmarks",
-                self.model.file.display()
-            );
+            let file = self.model.file.display();
+            bail!("{file}: the face has no landmarks: give them to `train` by --landmarks");
         }
         let [slider, slider_mean] = input::slider_models(&model, &face)?;
-        let file = TakeFile { path: &self.animation, is_percent: self.percent };
-        let take = input::take(file, &face.names(), output)?;
+        let take = input::take(&self.animation, self.percent, &face.names(), output)?;
         let range = input::within(self.frames, take.file_len());
-        let frames = take.pick(&range, self.from, self.every);
-        let frames = frames.of(&self.animation)?;
+        let frames = take.pick(&range, self.from, self.every).of(&self.animation)?;
         let lost_frames = range.len() - take.every(&range, 0, 1).len();
         let left_out = [0..range.start, range.end..take.file_len()];
         let chosen_on = left_out.iter().map(|range| take.every(range, self.from, self.every));

@@ -5,7 +5,7 @@ use sinew_runtime::Model;
 use sinew_runtime::prior::Anchor;
 use sinew_trainer::envelope::model::{FileModel, PriorModel, SkinModel};
 use sinew_trainer::face::baked::BakedFace;
-use sinew_trainer::face::listed;
+use sinew_trainer::face::names::listed;
 use sinew_trainer::face::outline::Outline;
 use sinew_trainer::face::take::{self, Largest, Take};
 use sinew_trainer::face::train::sliders;
@@ -14,14 +14,6 @@ use std::path::Path;
 
 /// Weight above which a warning is given: artists exceed the full shape, which is 1, only a little.
 const WEIGHT_MOST: f64 = 2.0;
-
-/// Take to read.
-#[derive(Clone, Copy)]
-pub(super) struct TakeFile<'a> {
-    pub(super) path: &'a Path,
-    /// Whether 100 is the full shape, and not 1.
-    pub(super) is_percent: bool,
-}
 
 /// Weights that a solve stays near to: the current weights, or the mean of the take.
 pub(super) const ANCHORS: [(&str, Anchor); 2] =
@@ -55,14 +47,18 @@ pub(super) fn slider_models(
         priors: vec![PriorModel::from_file(&face.prior, 0)],
         records: Vec::new(),
     };
-    let [from_zero, from_mean] = sliders(&own);
-    let load = |model: FileModel| anyhow::Ok(Model::from_bytes(model.bake()?)?);
-    Ok([load(from_zero)?, load(from_mean)?])
+    Ok(sliders(&own)?)
 }
 
 /// Reads a take of a face. Warns of lost rows, of columns without a shape, and of weights that look like percent.
-pub(super) fn take(file: TakeFile<'_>, shapes: &[String], output: Output) -> anyhow::Result<Take> {
-    let TakeFile { path, is_percent } = file;
+///
+/// - `is_percent`: whether 100 is the full shape, and not 1.
+pub(super) fn take(
+    path: &Path,
+    is_percent: bool,
+    shapes: &[String],
+    output: Output,
+) -> anyhow::Result<Take> {
     let mut read = take::read(path, shapes).of(path)?;
     if !read.skipped.is_empty() {
         let skipped = listed(read.skipped.iter().map(|name| printable(name)));
@@ -70,7 +66,13 @@ pub(super) fn take(file: TakeFile<'_>, shapes: &[String], output: Output) -> any
         output.warn(path.display(), what);
     }
     if !read.lost.is_empty() {
-        output.warn(path.display(), lost(&read));
+        let what = format!(
+            "the tracking is lost in {} of {}, which are left out: line {}",
+            read.lost.len(),
+            counted(read.file_len(), "row", "rows"),
+            listed(read.lost.iter())
+        );
+        output.warn(path.display(), what);
     }
     if let Some(warning) = read.largest.as_ref().and_then(|found| unusual(found, is_percent)) {
         output.warn(path.display(), warning);
@@ -98,16 +100,6 @@ fn unusual(found: &Largest, is_percent: bool) -> Option<String> {
     Some(format!(
         "the largest weight is {weight}, of column {column:?} in {place}, and {full} is the full shape: {remedy}"
     ))
-}
-
-/// Counts the rows of a take without tracking, and lists their lines.
-fn lost(take: &Take) -> String {
-    format!(
-        "the tracking is lost in {} of {}, which are left out: line {}",
-        take.lost.len(),
-        counted(take.file_len(), "row", "rows"),
-        listed(take.lost.iter())
-    )
 }
 
 /// Parses `A..B`, `A..` or `..B`.

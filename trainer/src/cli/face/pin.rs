@@ -1,6 +1,6 @@
 //! `sinew face pin`: a few dragged points, and the face that follows.
 
-use super::input::{self, ANCHORS, TakeFile};
+use super::input::{self, ANCHORS};
 use super::pins::{self, Followed, PinArgument, Placed, Projection};
 use crate::cli::{
     ModelArgs, OfFile, Output, OutputFile, POSITIVE, Report, Run, count, files, named, number,
@@ -9,8 +9,8 @@ use crate::cli::{
 use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::Model;
-use sinew_runtime::prior::{Anchor, Edit};
-use sinew_trainer::face::baked::{BakedFace, Shaped, SolveOptions};
+use sinew_runtime::prior::{Anchor, Edit, PinJob};
+use sinew_trainer::face::baked::{BakedFace, Shaped};
 use sinew_trainer::face::outline::{self, Outline};
 use sinew_trainer::face::picture::{Paint, Photographer};
 use sinew_trainer::face::scene::{Weights, glb};
@@ -122,8 +122,7 @@ impl Pin {
         };
         let mut weights = vec![0.0; solver.skin.shape_len()];
         if let Some(path) = file {
-            let file = TakeFile { path, is_percent: *percent };
-            let take = input::take(file, &solver.names(), output)?;
+            let take = input::take(path, *percent, &solver.names(), output)?;
             let first = take.frames.first().into_iter().flatten();
             weights.iter_mut().zip(first).for_each(|(out, weight)| *out = *weight as f32);
         }
@@ -139,9 +138,7 @@ impl Pin {
             })?;
             placed.push(Placed::hold(vertex, *place));
         }
-        let mut options = SolveOptions::edit(&solver.prior);
-        options.anchor = *anchor;
-        options.is_bounded = *bounded;
+        let mut options = PinJob { anchor: *anchor, is_bounded: *bounded, ..solver.edit() };
         if let Some(tolerance) = tolerance {
             options.beta = (tolerance * tolerance) as f32;
         }

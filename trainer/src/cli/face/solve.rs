@@ -5,8 +5,8 @@ use crate::cli::{
     ModelArgs, OfFile, Output, OutputFile, POSITIVE, Report, Run, ending, named, number,
 };
 use anyhow::Context;
-use sinew_runtime::prior::{Anchor, Pin, Temporal};
-use sinew_trainer::face::baked::{BakedFace, SolveOptions};
+use sinew_runtime::prior::{Anchor, PinJob, Temporal};
+use sinew_trainer::face::baked::BakedFace;
 use sinew_trainer::face::evaluate::{cardinality, roughness};
 use sinew_trainer::face::outline;
 use sinew_trainer::face::scene::{Weights, glb};
@@ -101,18 +101,12 @@ fn solve(
         (0..face.skin.shape_len()).filter_map(|shape| face.prior.mean(shape)).collect();
     let mut scratch = Vec::new();
     let mut out = Vec::new();
-    for (&frame, points) in track {
-        let pin = |point: &track::Point| {
-            let at = point.at.map(|x| x as f32);
-            Pin::new(point.vertex as u32, at).with_stiffness(point.stiffness as f32)
-        };
-        let pins: Vec<Pin> = points.iter().map(pin).collect();
-        let mut options =
-            SolveOptions { anchor: arguments.anchor, ..SolveOptions::edit(&face.prior) };
+    for (&frame, pins) in track {
+        let is_bounded = !arguments.plain;
+        let mut options = PinJob { anchor: arguments.anchor, is_bounded, ..face.edit() };
         if let Some(noise) = arguments.noise {
             options.beta = (noise * noise) as f32;
         }
-        options.is_bounded = !arguments.plain;
         if !arguments.plain {
             let stiffness = arguments.temporal as f32;
             options.temporal = Some(Temporal { weights: &last, stiffness });
@@ -120,7 +114,7 @@ fn solve(
             options.cancels = true;
         }
         let mut weights = last.clone();
-        face.solve(&pins, &options, &mut scratch, &mut weights)
+        face.solve(pins, &options, &mut scratch, &mut weights)
             .with_context(|| format!("frame {frame}"))?;
         last.clone_from(&weights);
         out.push((frame, weights));

@@ -1,6 +1,6 @@
 //! `sinew face train`: from shapes and a take to a face in a file.
 
-use super::input::{self, TakeFile};
+use super::input;
 use crate::cli::files::write;
 use crate::cli::{
     OfFile, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, counted, named, number,
@@ -121,9 +121,9 @@ impl Run for Train {
             }
             Source::Shapes(mut basis) => {
                 if self.shape.rank.is_some() {
+                    let path = path.display();
                     bail!(
-                        "{}: it has shapes: --rank is for example meshes, in which shapes are found",
-                        path.display()
+                        "{path}: it has shapes: --rank is for example meshes, in which shapes are found"
                     );
                 }
                 basis.mesh.space = self.space.of(basis.mesh.space, path.display())?;
@@ -146,13 +146,9 @@ impl Run for Train {
         let bytes = model.bake().with_context(both)?;
         write(&[(&mesh, outline::text(&basis).as_bytes()), (&target, &bytes)])?;
         let report = report(&bytes, &basis, &learned)?;
-        let mesh = mesh.named().display().to_string();
-        Ok(report.wrote(&target, &bytes).shown(
-            "mesh",
-            "",
-            &mesh,
-            format!("wrote {mesh}, its mesh"),
-        ))
+        let mesh = mesh.named.display().to_string();
+        let text = format!("wrote {mesh}, its mesh");
+        Ok(report.wrote(&target, &bytes).shown("mesh", "", mesh, text))
     }
 }
 
@@ -198,26 +194,19 @@ impl Train {
             let model = of_take(basis, &[], options).of(&self.basis)?;
             return Ok((model, Learned { text, lost: 0 }));
         };
-        let file = TakeFile { path, is_percent: self.take.percent };
-        let take = input::take(file, &basis.names(), output)?;
+        let take = input::take(path, self.take.percent, &basis.names(), output)?;
         let range = input::within(self.take.frames, take.file_len());
         let frames = take.pick(&range, 0, 1).of(path)?;
-        let frames: Vec<Vec<f64>> = frames.iter().map(|frame| frame.to_vec()).collect();
+        let frames: Vec<Vec<f64>> = frames.into_iter().map(<[f64]>::to_vec).collect();
         let lost = range.len() - frames.len();
         let driven =
             (0..basis.mesh.shapes.len()).filter(|&s| frames.iter().any(|f| f[s] != 0.0)).count();
-        let text = format!(
-            "from {} of {}, which move {}",
-            counted(frames.len(), "frame", "frames"),
-            path.display(),
-            counted(driven, "shape", "shapes"),
-        );
+        let (len, shapes) =
+            (counted(frames.len(), "frame", "frames"), counted(driven, "shape", "shapes"));
+        let text = format!("from {len} of {}, which move {shapes}", path.display());
         if !is_moving(&frames) {
-            let frames = counted(frames.len(), "frame", "frames");
-            output.warn(
-                path.display(),
-                format!("weights do not change in {frames}: only their mean is learned"),
-            );
+            let text = format!("weights do not change in {len}: only their mean is learned");
+            output.warn(path.display(), text);
         }
         let mut model = of_take(basis, &frames, options).of(&self.basis)?;
         measure(&mut model, basis, &frames, options)?;

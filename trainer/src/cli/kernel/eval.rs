@@ -145,17 +145,11 @@ impl Run for Check {
             Some(printable(&format!("{} is skipped: {why}", case.name)) + "\n")
         });
         let rows = found.cases.iter().map(row).collect();
-        let failure = if found.failed > 0 {
-            Some(format!(
-                "{}: {} of {} cases are too far",
-                self.file.display(),
-                found.failed,
-                found.held
-            ))
-        } else if !found.passes() {
-            Some(format!("{}: no case could be held", self.file.display()))
-        } else {
-            None
+        let file = self.file.display();
+        let failure = match found.failed {
+            0 if found.passes() => None,
+            0 => Some(format!("{file}: no case could be held")),
+            failed => Some(format!("{file}: {failed} of {} cases are too far", found.held)),
         };
         let report = Report::of(&found)
             .text(table(&["case", "deviation", "rcond", ""], rows))

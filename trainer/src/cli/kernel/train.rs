@@ -131,8 +131,8 @@ impl Train {
         own.epsilon = arguments.epsilon.or(own.epsilon);
         own.degree = arguments.degree.or(own.degree);
         own.centres = arguments.centres.or(own.centres);
-        own.outside = arguments.outside.unwrap_or(own.outside);
-        own.f32_error = self.f32_error.unwrap_or(own.f32_error);
+        own.outside = arguments.outside.or(own.outside);
+        own.f32_error = self.f32_error.or(own.f32_error);
         own.average |= arguments.average;
         if arguments.learn && own.learn.is_none() {
             own.learn = Some(Default::default());

@@ -4,9 +4,8 @@ use super::process::ProcessArguments;
 use crate::cli::files::drawn;
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, ending, printable};
 use anyhow::Context;
-use sinew_trainer::signal::choose::variance;
 use sinew_trainer::signal::functional::Functional;
-use sinew_trainer::signal::grid::{Sample, Shape};
+use sinew_trainer::signal::grid::Sample;
 use sinew_trainer::signal::observations::Observations;
 use sinew_trainer::signal::plot::SignalPlot;
 use sinew_trainer::signal::table::read_signal;
@@ -54,14 +53,9 @@ impl Run for PlotArgs {
 fn of_signal(arguments: &PlotArgs, output: Output) -> anyhow::Result<SignalPlot> {
     let column = arguments.column.as_ref().context("a .csv needs --column NAME")?;
     let samples = read_signal(&arguments.input, column).of(&arguments.input)?;
-    let (sample, n) = (arguments.process.sample(), samples.len());
-    let process = arguments
-        .process
-        .process(&samples, sample, output, &arguments.input.display())
-        .of(&arguments.input)?;
-    let filter = arguments.process.filter(&process, arguments.factor, sample)?;
-    let values = filter.apply(&samples, Shape { samples: n, lanes: 1 }).of(&arguments.input)?;
-    let scale = variance(&samples, sample, &process.covariance);
+    let sample = arguments.process.sample();
+    let (process, values, variances) =
+        arguments.process.finer(&samples, arguments.factor, &arguments.input, output)?;
     let middle = if sample == Sample::Average { 0.5 } else { 0.0 };
     let place = |at: usize| (at as f64 + middle) / arguments.factor as f64;
     let (mut own, mut boxes) = (Vec::new(), Vec::new());
@@ -75,7 +69,7 @@ fn of_signal(arguments: &PlotArgs, output: Output) -> anyhow::Result<SignalPlot>
         title: format!("{}, {}", printable(column), process.covariance.describe()),
         places: (0..values.len()).map(place).collect(),
         values,
-        deviations: filter.variances_of(n).iter().map(|x| (scale * x).sqrt()).collect(),
+        deviations: variances.into_iter().map(f64::sqrt).collect(),
         samples: own,
         boxes,
     })
@@ -85,6 +79,7 @@ fn of_observations(path: &Path) -> anyhow::Result<SignalPlot> {
     let observations = Observations::read(path, None).of(path)?;
     let fit = observations.fit().of(path)?;
     let scale = observations.variance(&fit);
+    let covariance = observations.process.covariance.describe();
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let (mut samples, mut boxes) = (Vec::new(), Vec::new());
     for (of, value) in observations.functionals.iter().zip(&observations.values) {
@@ -106,11 +101,7 @@ fn of_observations(path: &Path) -> anyhow::Result<SignalPlot> {
     let places: Vec<f64> = (0..POINTS).map(|k| low - room + step * k as f64).collect();
     let found: Vec<_> = places.iter().map(|&at| fit.predict(&Functional::Value { at })).collect();
     Ok(SignalPlot {
-        title: format!(
-            "{}, {}",
-            printable(&observations.name),
-            observations.process.covariance.describe()
-        ),
+        title: format!("{}, {covariance}", printable(&observations.name)),
         places,
         values: found.iter().map(|found| found.value).collect(),
         deviations: found.iter().map(|found| (scale * found.variance).sqrt()).collect(),

@@ -2,13 +2,11 @@
 
 use crate::cli::{OfFile, Output, named};
 use sinew_trainer::Error;
-use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images};
+use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images, variance};
 use sinew_trainer::signal::covariance::{Covariance, Subject};
-use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
-use sinew_trainer::signal::kriging::Mean;
-use sinew_trainer::signal::kriging::Process;
+use sinew_trainer::signal::grid::{Grid, GridFilter, Sample, Shape};
+use sinew_trainer::signal::kriging::{Mean, Process};
 use sinew_trainer::signal::table::read_table;
-use std::fmt::Display;
 use std::path::Path;
 
 /// Assumed process of a signal.
@@ -21,19 +19,19 @@ pub(super) struct ProcessArguments {
     /// "ornstein-uhlenbeck:L", "matern 3/2:L", "matern 5/2:L", "oscillating:L,T", estimated (from the signal), or a
     /// .csv of covariances at lags 0, 1, 2, ...
     #[arg(long, default_value = "auto")]
-    pub(super) covariance: String,
+    covariance: String,
     /// Mean of the samples
     #[arg(long, default_value = "constant", value_parser = named(MEANS))]
-    pub(super) mean: Mean,
+    mean: Mean,
     /// Variance of the noise over that of the signal; above 0 samples are smoothed
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    pub(super) noise: f64,
+    noise: f64,
     /// Samples of a CSV are means over the time between them, not values
     #[arg(long)]
     pub(super) averages: bool,
     /// Number of coarse samples that make a fine sample, odd
     #[arg(long, value_name = "N", default_value_t = TAPS)]
-    pub(super) taps: usize,
+    taps: usize,
 }
 
 /// Mean functions.
@@ -42,19 +40,39 @@ const MEANS: [(&str, Mean); 3] =
 
 impl ProcessArguments {
     /// Returns the process of a signal; warns of a covariance that was clipped.
+    ///
+    /// - `file`: file of the signal, which errors name.
     pub(super) fn process(
         &self,
         samples: &[f64],
-        sample: Sample,
+        file: &Path,
         output: Output,
-        about: &impl Display,
     ) -> anyhow::Result<Process> {
         let covariance = match self.covariance.as_str() {
-            "auto" => best(samples, sample)?,
-            "estimated" => clipped(estimated(samples)?, output, about),
-            _ => self.given(Subject::Signal, output)?,
+            "auto" => best(samples, self.sample()).of(file)?,
+            "estimated" => clipped(estimated(samples).of(file)?, output, file),
+            _ => self.given(Subject::Signal, output).of(file)?,
         };
         Ok(self.of(covariance))
+    }
+
+    /// Makes a signal finer. Returns its process, the fine samples and their variances.
+    ///
+    /// - `file`: file of the signal, which errors name.
+    pub(super) fn finer(
+        &self,
+        samples: &[f64],
+        factor: usize,
+        file: &Path,
+        output: Output,
+    ) -> anyhow::Result<(Process, Vec<f64>, Vec<f64>)> {
+        let (sample, n) = (self.sample(), samples.len());
+        let process = self.process(samples, file, output)?;
+        let filter = self.filter(&process, factor, sample)?;
+        let fine = filter.apply(samples, Shape { samples: n, lanes: 1 }).of(file)?;
+        let scale = variance(samples, sample, &process.covariance);
+        let variances = filter.variances_of(n).iter().map(|x| scale * x).collect();
+        Ok((process, fine, variances))
     }
 
     /// Returns the process of images.
@@ -72,12 +90,7 @@ impl ProcessArguments {
         factor: usize,
         sample: Sample,
     ) -> Result<GridFilter, Error> {
-        GridFilter::new(process, self.grid(factor, sample))
-    }
-
-    /// Returns the requested size of the filter.
-    const fn grid(&self, factor: usize, sample: Sample) -> Grid {
-        Grid { factor, taps: self.taps, sample }
+        GridFilter::new(process, Grid { factor, taps: self.taps, sample })
     }
 
     /// Returns the kind of the samples.
@@ -85,32 +98,28 @@ impl ProcessArguments {
         if self.averages { Sample::Average } else { Sample::Value }
     }
 
-    pub(super) fn of(&self, covariance: Covariance) -> Process {
+    fn of(&self, covariance: Covariance) -> Process {
         Process { covariance, mean: self.mean, noise: self.noise }
     }
 
-    pub(super) fn given(&self, subject: Subject, output: Output) -> anyhow::Result<Covariance> {
+    fn given(&self, subject: Subject, output: Output) -> anyhow::Result<Covariance> {
         let path = Path::new(&self.covariance);
         if path.extension().is_none_or(|ending| ending != "csv") {
             return Ok(Covariance::parse(&self.covariance, subject)?);
         }
         let found = read_table(path).of(path)?;
-        Ok(clipped(found, output, &path.display()))
+        Ok(clipped(found, output, path))
     }
 }
 
 /// Warns of a covariance with a spectrum that was partly negative.
-fn clipped(
-    (covariance, share): (Covariance, f64),
-    output: Output,
-    about: &impl Display,
-) -> Covariance {
+fn clipped((covariance, share): (Covariance, f64), output: Output, file: &Path) -> Covariance {
     if share > 0.0 {
         let percent = 100.0 * share;
         let what = format!(
             "the covariance was indefinite: {percent:.2} % of its spectrum was negative and is clipped"
         );
-        output.warn(about, what);
+        output.warn(file.display(), what);
     }
     covariance
 }

@@ -4,8 +4,7 @@ use super::process::ProcessArguments;
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, ending, load};
 use anyhow::{Context, bail};
 use sinew_runtime::filter::Samples;
-use sinew_trainer::signal::choose::variance;
-use sinew_trainer::signal::grid::{Sample, Shape};
+use sinew_trainer::signal::grid::Sample;
 use sinew_trainer::signal::image::Image;
 use sinew_trainer::signal::sum::samples_remedy;
 use sinew_trainer::signal::table::read_signal;
@@ -100,7 +99,7 @@ fn signal(arguments: &Superres, output: Output) -> anyhow::Result<Made> {
     let Superres { input, process: own, .. } = arguments;
     let column = arguments.column.as_ref().context("a .csv needs --column NAME")?;
     let samples = read_signal(input, column).of(input)?;
-    let (sample, n) = (own.sample(), samples.len());
+    let n = samples.len();
     let (fine, variances, factor): (Vec<f64>, Vec<f64>, usize) = match &arguments.model {
         Some(path) => {
             let model = load(path)?;
@@ -121,12 +120,9 @@ fn signal(arguments: &Superres, output: Output) -> anyhow::Result<Made> {
             (fine.into_iter().map(f64::from).collect(), variances.unwrap_or_default(), factor)
         }
         None => {
-            let process = own.process(&samples, sample, output, &input.display()).of(input)?;
-            let filter = own.filter(&process, arguments.factor.unwrap_or(1), sample)?;
-            let fine = filter.apply(&samples, Shape { samples: n, lanes: 1 }).of(input)?;
-            let scale = variance(&samples, sample, &process.covariance);
-            let variances = filter.variances_of(n).iter().map(|x| scale * x).collect();
-            (fine, variances, filter.grid.factor)
+            let factor = arguments.factor.unwrap_or(1);
+            let (_, fine, variances) = own.finer(&samples, factor, input, output)?;
+            (fine, variances, factor)
         }
     };
     let middle = if arguments.process.averages { 0.5 } else { 0.0 };

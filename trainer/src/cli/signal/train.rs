@@ -54,8 +54,7 @@ impl Run for Train {
             None => {}
         }
         let sample = self.process.sample();
-        let process =
-            self.process.process(&samples, sample, output, &signal.display()).of(signal)?;
+        let process = self.process.process(&samples, signal, output)?;
         let filter = self.process.filter(&process, factor, sample).of(signal)?;
         let fit = LeftOut::new(&samples, &process, filter.grid).of(signal)?;
         let rest = fit.map_or(0, |fit| fit.rest);

@@ -3,7 +3,6 @@
 use super::input::SetArguments;
 use crate::cli::report::figure;
 use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, load};
-use anyhow::Context;
 use sinew_trainer::views::evaluate::evaluate;
 use sinew_trainer::views::report::report;
 use std::path::PathBuf;
@@ -25,8 +24,7 @@ impl Run for Eval {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
         let model = self.model.load()?;
         let set = self.set.read()?;
-        let found =
-            evaluate(&model, &set).with_context(|| self.set.file().display().to_string())?;
+        let found = evaluate(&model, &set).of(&self.set.views)?;
         let views = if found.is_training { "views of the training" } else { "test views" };
         let mut report = Report::of(&found).show("views", views, "");
         report = match found.points {
@@ -72,13 +70,12 @@ pub(in crate::cli) struct ReportArgs {
 
 impl Run for ReportArgs {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let file = self.set.file();
+        let file = self.set.views.as_path();
         let taken = [&*self.model.file, file].into_iter().chain(self.prototype.as_deref());
         let target = OutputFile::new(&self.output, taken)?.of_a_report()?;
         let (model, set) = (self.model.load()?, self.set.read()?);
         let prototype = self.prototype.as_deref().map(load).transpose()?;
-        let page = report(&model, &set, prototype.as_ref());
-        let page = page.of(file)?;
+        let page = report(&model, &set, prototype.as_ref()).of(file)?;
         Report::default().write(&target, page.as_bytes())
     }
 }

@@ -113,7 +113,7 @@ impl Run for Drive {
         let Some(target) = &table else { return Ok(report) };
         write(&[(target, &as_table(&driven, &names)?)])?;
         let lines = counted(driven.len(), "line", "lines");
-        Ok(report.text(format!("wrote {} ({lines})", target.named().display())))
+        Ok(report.text(format!("wrote {} ({lines})", target.named.display())))
     }
 }
 

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use sinew_runtime::Model;
 use sinew_trainer::Error;
 use sinew_trainer::views::inverse::{Found, starts};
-use sinew_trainer::views::object::FileMap;
+use sinew_trainer::views::object::ObjectMap;
 use sinew_trainer::views::player::Player;
 use sinew_trainer::views::set::{Values, ViewSet, read, read_drawing};
 use std::path::{Path, PathBuf};
@@ -32,18 +32,13 @@ impl MapArgs {
 #[derive(clap::Args)]
 pub(super) struct SetArguments {
     /// Views as JSON, or the char_cfg.yaml of a drawing with joints, beside its texture.png and mask.png
-    views: PathBuf,
+    pub(super) views: PathBuf,
     /// A mesh as OBJ that gives depths; `mesh_vertex_index` of VIEWS lists the vertex of each point
     #[arg(long, value_name = "OBJ")]
     mesh: Option<PathBuf>,
 }
 
 impl SetArguments {
-    /// Returns the file of the views.
-    pub(super) fn file(&self) -> &Path {
-        &self.views
-    }
-
     /// Reads the views.
     pub(super) fn read(&self) -> anyhow::Result<ViewSet> {
         let is_drawing =
@@ -119,25 +114,25 @@ pub(super) type Points = Vec<Option<[f64; 2]>>;
 
 /// Finds the parameters of tracked points, frame by frame.
 pub(super) struct Follower {
-    map: FileMap,
+    map: ObjectMap,
     near: Vec<Values>,
 }
 
 impl Follower {
     /// Makes a follower that starts its search anywhere.
     pub(super) fn new(player: &Player<'_>) -> Self {
-        let map = FileMap::new(player);
-        Self { near: starts(map.object().model), map }
+        let map = ObjectMap::new(player);
+        Self { near: starts(&map.model), map }
     }
 
     /// Returns the number of points in a frame.
     pub(super) fn point_len(&self) -> usize {
-        self.map.object().outputs.points
+        self.map.outputs.points
     }
 
     /// Finds the parameters of a frame. The search of the next frame starts from them.
     pub(super) fn find(&mut self, points: &Points) -> Result<Found, Error> {
-        let found = self.map.object().find(points, &self.near)?;
+        let found = self.map.find(points, &self.near)?;
         self.near = vec![found.values.clone()];
         Ok(found)
     }

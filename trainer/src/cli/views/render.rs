@@ -3,7 +3,7 @@
 use super::input::{Follower, MapArgs, assignment, read_track, values};
 use crate::cli::{OfFile, Output, OutputFile, Report, Run};
 use anyhow::bail;
-use sinew_trainer::views::object::FileMap;
+use sinew_trainer::views::object::ObjectMap;
 use sinew_trainer::views::pin::{Pin, bend, follow};
 use sinew_trainer::views::player::straight;
 use sinew_trainer::views::set::Values;
@@ -99,7 +99,7 @@ impl Run for PinPoints {
             OutputFile::new(&self.output, [&self.views.model.file])?.ending_in(&["png"])?;
         let model = self.views.model.load()?;
         let player = self.views.player(&model)?;
-        let map = FileMap::new(&player);
+        let map = ObjectMap::new(&player);
         let expected = player.views().point_len();
         for (number, (point, _)) in self.pin.iter().enumerate() {
             if *point >= expected {
@@ -109,7 +109,7 @@ impl Run for PinPoints {
                 bail!("pin {number}: point {point} is dragged twice");
             }
         }
-        let found = follow(map.object(), &values(&self.set)?, &self.pin)?;
+        let found = follow(&map, &values(&self.set)?, &self.pin)?;
         let mut played = player.play(&found)?;
         let mut points: Vec<[f64; 2]> =
             played.points.iter().map(|[x, y, _]| [f64::from(*x), f64::from(*y)]).collect();

@@ -75,7 +75,7 @@ pub(in crate::cli) struct Train {
 
 impl Run for Train {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
-        let file = self.set.file();
+        let file = self.set.views.as_path();
         let options = FitOptions { exact: self.exact };
         let Some(out) = &self.output else { return run_control(&self.set, options) };
         let target = OutputFile::new(out, [file])?.of_a_model()?;
@@ -84,7 +84,8 @@ impl Run for Train {
         let set = self.set.read()?;
         let Trained { model, choices } = train(&set, options).of(file)?;
         let bytes = bake(Space::default(), &parts(&model)?)?;
-        let points = points.map(|points| (points, as_json(&set, folder(file)).to_string()));
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let points = points.map(|points| (points, as_json(&set, folder).to_string()));
         let points = points.as_ref().map(|(points, json)| (points, json.as_bytes()));
         let files: Vec<_> = [(&target, bytes.as_slice())].into_iter().chain(points).collect();
         write(&files)?;
@@ -121,11 +122,6 @@ fn points_file(path: &Path, views: &Path, model: &OutputFile) -> anyhow::Result<
     Ok(points)
 }
 
-/// Returns the folder of a file.
-fn folder(file: &Path) -> &Path {
-    file.parent().unwrap_or(Path::new(""))
-}
-
 /// Names a map and its inputs.
 fn described(name: &str, choice: &Choice) -> String {
     let named = |input: &String| {
@@ -150,7 +146,7 @@ fn chosen(outputs: &str, candidate: &Candidate) -> String {
 /// # Errors
 /// The views cannot be read or fitted.
 fn run_control(set: &SetArguments, options: FitOptions) -> anyhow::Result<Report> {
-    let found = control(&set.read()?, options).of(set.file())?;
+    let found = control(&set.read()?, options).of(&set.views)?;
     let [one, many] = match found.is_left_out {
         true => ["key view, left out", "key views, each left out"],
         false => ["test view", "test views"],

@@ -18,8 +18,8 @@ impl EnvelopeModel {
     /// # Errors
     /// Those of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concern an envelope.
     pub(super) fn part(&self) -> Result<Part, Error> {
-        let groups = group_sections(&self.groups)?;
-        let counts = self.counts(groups.scratch_len)?;
+        let (group_rows, corrections, scratch_len) = group_sections(&self.groups)?;
+        let counts = self.counts(scratch_len)?;
         let matrices = self.reconstruction.as_ref();
         let matrices = matrices.map(|r| (blocks(r.c1.as_ref()), blocks(r.c2.as_ref())));
         let (c1, c2) = matrices.unwrap_or_default();
@@ -35,8 +35,8 @@ impl EnvelopeModel {
             (SectionKind::C2, c2),
             (SectionKind::PoseRanges, floats(&[&*self.pose_ranges, &self.pose_gaps].concat())),
             (SectionKind::Origins, origins(&self.skeleton.rest)),
-            (SectionKind::Groups, groups.rows),
-            (SectionKind::Corrections, groups.words),
+            (SectionKind::Groups, group_rows),
+            (SectionKind::Corrections, corrections),
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(ENVELOPE_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind));
@@ -133,27 +133,21 @@ fn origins(rest: &[Matrix3x4]) -> Vec<u8> {
     floats(&rest.iter().flat_map(|rows| rows.map(|row| row[3])).collect::<Vec<_>>())
 }
 
-/// Content of the sections `groups` and `corrections`, and the length of their scratch.
-struct GroupSections {
-    rows: Vec<u8>,
-    words: Vec<u8>,
-    scratch_len: usize,
-}
-
-/// Writes all groups and their kernel maps.
-fn group_sections(groups: &[Group]) -> Result<GroupSections, Error> {
-    let mut out = GroupSections { rows: Vec::new(), words: Vec::new(), scratch_len: 0 };
-    let mut proxies = 0;
+/// Writes the sections `groups` and `corrections`: all groups and their kernel maps. Also returns the length of their
+/// scratch.
+fn group_sections(groups: &[Group]) -> Result<(Vec<u8>, Vec<u8>, usize), Error> {
+    let (mut rows, mut corrections) = (Vec::new(), Vec::new());
+    let (mut proxies, mut scratch_len) = (0, 0);
     for group in groups {
         check_len("helpers before a group", proxies, group.proxies.start)?;
         proxies = group.proxies.end;
-        let row = group.row(out.words.len() / 4)?;
+        let row = group.row(corrections.len() / 4)?;
         group.check()?;
-        out.scratch_len = out.scratch_len.max(row.scratch_len());
-        out.rows.extend(row.to_bytes());
-        out.words.extend(group.words()?);
+        scratch_len = scratch_len.max(row.scratch_len());
+        rows.extend(row.to_bytes());
+        corrections.extend(group.words()?);
     }
-    Ok(out)
+    Ok((rows, corrections, scratch_len))
 }
 
 impl Group {

@@ -9,7 +9,6 @@ use super::correction::Search;
 use super::correction::candidates::GroupReport;
 use super::correction::joint_sets::{self, JointSets};
 use super::correction::target::CorrectionTarget;
-use super::error::out_of_reach;
 use super::fitted::{Fitted, corrected};
 use super::helpers::Helpers;
 use super::helpers::fit::{HelperFit, STEP};
@@ -18,6 +17,7 @@ use super::lbs::training::Training;
 use super::levels::{self, LevelReport};
 use super::normals::fit_normals;
 use super::options::{FileSkins, Options, Predict};
+use super::out_of_reach;
 use super::s3::{self, ProxyCount, Rotational, RotationalOptions};
 use crate::Error;
 use crate::examples::spread;
@@ -71,28 +71,18 @@ pub fn choose(
         joint_sets: JointSets::new(),
         usual: None,
     };
-    let parts = counts.len();
-    let each = counts.into_iter().zip(1..);
-    match options.predictor {
-        Predict::Only(Predictor::Kernel) => {
-            if options.proxies.is_none() {
-                choice.joints_alone()?;
-            }
-            choice.choose_joint_sets();
-            for (count, part) in each {
-                if choice.needs(count) {
-                    progress.part(part, parts);
-                    choice.kernel(count)?;
-                }
-            }
+    let is_kernel = options.predictor == Predict::Only(Predictor::Kernel);
+    if is_kernel {
+        if options.proxies.is_none() {
+            choice.joints_alone()?;
         }
-        Predict::Only(Predictor::Rotational) | Predict::Published => {
-            for (count, part) in each {
-                if choice.needs(count) {
-                    progress.part(part, parts);
-                    choice.rotational(count)?;
-                }
-            }
+        choice.choose_joint_sets();
+    }
+    let parts = counts.len();
+    for (count, part) in counts.into_iter().zip(1..) {
+        if choice.needs(count) {
+            progress.part(part, parts);
+            if is_kernel { choice.kernel(count)? } else { choice.rotational(count)? }
         }
     }
     choice.take()
@@ -155,11 +145,22 @@ impl PredictorSearch<'_> {
         let options = self.rotational_options(count);
         let rotational = s3::fit(self.training, &options, self.progress)?;
         let fitted = rotational.fitted(self.training);
+        self.uncorrected(fitted, &rotational.validated, Some(&rotational))
+    }
+
+    /// Adds candidates without a correction.
+    ///
+    /// - `palette`: palette of the training poses, 3n x 4 per transform.
+    fn uncorrected(
+        &mut self,
+        fitted: Fitted,
+        palette: &Mat<f64>,
+        rotational: Option<&Rotational>,
+    ) -> Result<(), Error> {
         for coefficients in self.budget.with_coefficients() {
             let bytes = self.budget.bytes(&fitted, coefficients)?;
-            let fits =
-                (bytes <= self.budget.most()).then_some((bytes, &rotational.validated, Vec::new()));
-            self.add((fitted.clone(), coefficients), fits, Some(&rotational));
+            let fits = (bytes <= self.budget.most()).then_some((bytes, palette, Vec::new()));
+            self.add((fitted.clone(), coefficients), fits, rotational);
         }
         Ok(())
     }
@@ -183,13 +184,7 @@ impl PredictorSearch<'_> {
     /// Adds plain LBS as a candidate: a palette of joints without helpers.
     fn joints_alone(&mut self) -> Result<(), Error> {
         let fitted = Fitted::new(self.training, self.training.lbs.weights.clone(), None);
-        let palette = self.training.poses.stacked();
-        for coefficients in self.budget.with_coefficients() {
-            let bytes = self.budget.bytes(&fitted, coefficients)?;
-            let fits = (bytes <= self.budget.most()).then_some((bytes, &palette, Vec::new()));
-            self.add((fitted.clone(), coefficients), fits, None);
-        }
-        Ok(())
+        self.uncorrected(fitted, &self.training.poses.stacked(), None)
     }
 
     /// Doubles the number of helpers until their true transforms reach an RMS error; `None` if LBS reaches it.
@@ -250,27 +245,24 @@ impl PredictorSearch<'_> {
         fits: Option<(usize, &Mat<f64>, Vec<GroupReport>)>,
         rotational: Option<&Rotational>,
     ) {
-        let mut report = CandidateReport {
+        let validated_rms =
+            fits.as_ref().map(|fits| self.training.targets(&fitted.weights).rms(fits.1));
+        let report = CandidateReport {
             predictor: fitted.envelope.predictor().name(),
             method: rotational.map(|rotational| rotational.method),
             proxies: fitted.envelope.proxy_len(),
             tangent_coefficients,
-            bytes: None,
-            validated_rms: None,
-            groups: Vec::new(),
+            bytes: fits.as_ref().map(|fits| fits.0),
+            validated_rms,
+            groups: fits.map_or_else(Vec::new, |fits| fits.2),
         };
-        if let Some((bytes, palette, groups)) = fits {
-            let validated_rms = self.training.targets(&fitted.weights).rms(palette);
-            (report.bytes, report.validated_rms) = (Some(bytes), Some(validated_rms));
-            report.groups = groups;
-            let rotational = rotational.map(|rotational| rotational.report.clone());
-            let report = self.reports.len();
+        if let Some(validated_rms) = validated_rms {
             self.candidates.push(Candidate {
                 fitted,
                 tangent_coefficients,
-                report,
+                report: self.reports.len(),
                 validated_rms,
-                rotational,
+                rotational: rotational.map(|rotational| rotational.report.clone()),
             });
         }
         self.reports.push(report);

@@ -56,11 +56,6 @@ pub struct RigidOffset {
 }
 
 impl RigidOffset {
-    /// Returns whether the mesh certainly has a rigid offset from its joints.
-    pub fn is_certain(&self) -> bool {
-        self.is_offset(REMAINING)
-    }
-
     /// Returns whether the offset is long and leaves less than a share `most` of the squared error.
     pub fn is_offset(&self, most: f64) -> bool {
         self.distance > FAR && self.remaining < most
@@ -126,7 +121,7 @@ fn rigid_offset(Residuals { training, residuals, .. }: Residuals<'_>, pose: usiz
 fn offset_poses(residuals: Residuals<'_>) -> Vec<OutlierPose> {
     let all = rigid_offsets(residuals);
     let usual = median(all.iter().map(|offset| offset.distance).collect());
-    let found = all.iter().enumerate().filter(|(_, offset)| offset.is_certain());
+    let found = all.iter().enumerate().filter(|(_, offset)| offset.is_offset(REMAINING));
     let found: Vec<OutlierPose> =
         found.map(|(pose, offset)| OutlierPose { pose, error: offset.distance, usual }).collect();
     if 2 * found.len() < all.len() { found } else { Vec::new() }

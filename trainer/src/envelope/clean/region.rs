@@ -40,33 +40,25 @@ pub fn compared(n: usize) -> Vec<usize> {
 pub fn regions(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Region> {
     let stride = residuals.dominant.len().div_ceil(VERTICES);
     let skins = residuals.skins();
+    let training = residuals.training;
+    let features = Features::of(training);
     let own = |joint: usize| {
         let skin: Vec<usize> = skins[joint].iter().copied().step_by(stride).collect();
-        Region::new(residuals, joint, &skin, poses)
+        let inputs = features.inputs(&training.poses, &near(features.parents, joint, HOPS));
+        let all = features.evaluate(&training.poses, &inputs);
+        let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
+        let inputs = Inputs::new(inputs)?;
+        let gram = residuals.gram(joint, &skin, poses);
+        let some = spread(poses.len(), TRIED);
+        let tried: Vec<usize> = some.iter().map(|&place| poses[place]).collect();
+        let blocks = blocks(training, &tried);
+        let regression = GramRegression::choose(&inputs, gram, &some, &blocks)?;
+        Some(Region { joint, vertex_len: skin.len(), regression })
     };
     (0..skins.len()).into_par_iter().filter_map(own).collect()
 }
 
 impl Region {
-    fn new(
-        residuals: Residuals<'_>,
-        joint: usize,
-        skin: &[usize],
-        poses: &[usize],
-    ) -> Option<Self> {
-        let (training, features) = (residuals.training, Features::of(residuals.training));
-        let inputs = features.inputs(&training.poses, &near(features.parents, joint, HOPS));
-        let all = features.evaluate(&training.poses, &inputs);
-        let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
-        let inputs = Inputs::new(inputs)?;
-        let gram = residuals.gram(joint, skin, poses);
-        let some = spread(poses.len(), TRIED);
-        let tried: Vec<usize> = some.iter().map(|&place| poses[place]).collect();
-        let blocks = blocks(training, &tried);
-        let regression = GramRegression::choose(&inputs, gram, &some, &blocks)?;
-        Some(Self { joint, vertex_len: skin.len(), regression })
-    }
-
     /// Predicts every compared pose from the others by cross-validation.
     pub fn errors(&self, training: &Training, poses: &[usize]) -> Option<SampleErrors> {
         self.regression.errors(&blocks(training, poses))

@@ -1,7 +1,7 @@
 //! Candidates for the kernel map of a group, scored by cross-validation on the training poses.
 
 use super::joint_sets::{self, JointSet, JointSets};
-use super::target::{CorrectionTarget, GroupOutputs, Metric};
+use super::target::{CorrectionTarget, GroupOutputs};
 use crate::envelope::model::{Group, Input};
 use crate::regression::design::{Design, Hyperparameters};
 use crate::regression::inputs::Inputs;
@@ -17,7 +17,7 @@ use std::ops::Range;
 const CENTRES: [usize; 6] = [8, 16, 32, 64, 128, 256];
 
 /// Report of the choice of a group's map.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct GroupReport {
     /// Dominant joint of the group.
     pub joint: usize,
@@ -41,14 +41,9 @@ pub struct GroupReport {
 
 /// Candidate sizes of a group's map.
 pub struct GroupCandidates {
-    /// Dominant joint of the group.
-    pub joint: usize,
-    helpers: Range<usize>,
+    group: GroupOutputs,
     /// Joint set of the map; `None` if nothing moves.
-    pub joint_set: Option<JointSet>,
-    metric: Metric,
-    directions: Mat<f64>,
-    outputs: Outputs,
+    joint_set: Option<JointSet>,
     before: f64,
     /// Sizes by ascending bytes and descending score. The first size is no map.
     pub sizes: Vec<MapSize>,
@@ -78,7 +73,7 @@ impl GroupCandidates {
     ) -> Self {
         let (_, set) = target.group_key(helpers.start);
         let group = GroupOutputs::new(target, helpers);
-        let GroupOutputs { joint, helpers, metric, directions, outputs } = group;
+        let GroupOutputs { joint, helpers, outputs, .. } = &group;
         let sizes = outputs.sizes();
         let nothing = MapSize { scored: None, rank: 0, bytes: 0, score: sizes.iter().sum() };
         let before = nothing.score;
@@ -86,24 +81,24 @@ impl GroupCandidates {
         // Joint sets are chosen for the usual number of helpers. With another number, or on a part of the poses,
         // further joints may get helpers.
         let choose = || joint_sets::of_joint(target, helpers.clone()).into_iter().next();
-        let known = joint_sets.get(&joint).and_then(|sets| sets.get(set));
+        let known = joint_sets.get(joint).and_then(|sets| sets.get(set));
         let joint_set = known.cloned().or_else(choose);
         if let Some(joint_set) = &joint_set {
             let inputs = target.features.evaluate(target.poses, &joint_set.inputs);
             let inputs = Inputs::new(inputs);
             let found_of =
-                |inputs| map_sizes(&inputs, joint_set.kernel, &outputs, &sizes, helpers.len());
+                |inputs| map_sizes(&inputs, joint_set.kernel, outputs, &sizes, helpers.len());
             found.extend(inputs.map(found_of).unwrap_or_default());
         }
         let sizes = undominated(found);
         let least = sizes.last().map_or(0.0, |size| size.score);
         let preferred = sizes.iter().position(|s| s.score <= TIED * least).unwrap_or(0);
-        Self { joint, helpers, joint_set, metric, directions, outputs, before, sizes, preferred }
+        Self { group, joint_set, before, sizes, preferred }
     }
 
     /// Returns a group without a map.
     pub fn nothing(&self) -> Group {
-        Group::nothing(self.joint, self.helpers.clone())
+        Group::nothing(self.group.joint, self.group.helpers.clone())
     }
 
     /// Fits a map of a size. Also returns the latent outputs of each pose, predicted without its fold, n x r.
@@ -114,21 +109,17 @@ impl GroupCandidates {
     ) -> (Group, GroupReport, Mat<f64>) {
         let CorrectionTarget { poses, features, .. } = *target;
         let mut report = GroupReport {
-            joint: self.joint,
-            proxies: self.helpers.len(),
-            hops: 0,
-            inputs: 0,
-            choice: None,
-            rank: 0,
-            bytes: 0,
+            joint: self.group.joint,
+            proxies: self.group.helpers.len(),
             before: self.before,
             after: self.before,
+            ..GroupReport::default()
         };
         let mut group = self.nothing();
         let fitted = self.joint_set.as_ref().zip(size.scored.as_ref()).and_then(|(set, scored)| {
             let inputs = Inputs::new(features.evaluate(poses, &set.inputs))?;
             let design = Design::new(&inputs, scored.hyperparameters)?;
-            Some((set, ridge::fit(&design, &self.outputs, &scored.ridges[..size.rank])?))
+            Some((set, ridge::fit(&design, &self.group.outputs, &scored.ridges[..size.rank])?))
         });
         let Some((set, KernelFit { map, scale, predicted })) = fitted else {
             return (group, report, Mat::zeros(poses.len(), 0));
@@ -136,7 +127,8 @@ impl GroupCandidates {
         let scaled = |input: &Input| Input { weight: scale * input.weight, ..*input };
         group.inputs = set.inputs.iter().map(scaled).collect();
         group.map = map;
-        group.outputs = self.metric.unweigh(&self.directions.subcols(0, size.rank).to_owned());
+        let directions = self.group.directions.subcols(0, size.rank).to_owned();
+        group.outputs = self.group.metric.unweigh(&directions);
         report.hops = set.hops;
         report.inputs = set.inputs.len();
         report.choice = size.scored.as_ref().map(|scored| scored.hyperparameters);

@@ -1,18 +1,16 @@
 //! Fit of helpers to the training frames (METHOD §1.9).
 
 use super::Helpers;
-use crate::envelope::lbs::blend::{
-    Alternation, InTurn, Items, Maps, Pull, Supports, Weights, fit_maps,
-};
+use crate::envelope::lbs::blend::{Alternation, InTurn, Items, Pull, Supports, Weights, fit_maps};
 use crate::envelope::lbs::projection::gram;
 use crate::envelope::lbs::targets::{Targets, bases, set_map, skin};
 use crate::envelope::lbs::training::Training;
 use crate::examples::Importance;
-use crate::numeric::affine::homogeneous;
+use crate::numeric::affine::{homogeneous, linear};
 use crate::numeric::basis::{Basis, basis_of};
 use crate::numeric::columns::{self, cluster};
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix3x4, Matrix4, Vector3};
+use nalgebra::{Matrix3x4, Matrix4, Vector3};
 
 /// Name of the step.
 pub const STEP: &str = "helpers";
@@ -72,8 +70,8 @@ impl<'a> HelperFit<'a> {
         }
         let bases = bases(joints, &dominant);
         let anchors = self.anchors(&groups, &bases);
-        let refit = Refit::new(self, influences);
-        let own = OnBasis::new(&refit, [&bases, &anchors], &dominant).run(&maps, influences);
+        let refit = Refit::new(self, influences, [&bases, &anchors], &dominant);
+        let own = refit.run(&maps, influences);
         let weights = refit.replace(&training.lbs.weights, &own);
         let pull = training.settings.pull;
         let maps = fit_helpers(&training.targets(&weights), [joints, &anchors], pull);
@@ -157,7 +155,8 @@ impl<'a> HelperFit<'a> {
     }
 }
 
-/// Vertices that get new weights. The other vertices keep their LBS weights.
+/// Vertices that get new weights, and the alternation between their weights and the helper transforms, on a basis of the
+/// trajectories. The other vertices keep their LBS weights.
 struct Refit<'a> {
     fit: &'a HelperFit<'a>,
     vertices: Vec<usize>,
@@ -165,29 +164,54 @@ struct Refit<'a> {
     importance: Option<Vec<f64>>,
     /// LBS weights.
     lbs: Weights,
+    /// LBS weights, J x the vertices. They are the target of the pull on weights.
+    prior: Mat<f64>,
     /// Coordinates of the trajectories on their basis.
     trajectories: Mat<f64>,
     /// `trajectories`, and below them the coordinates of the base.
     targets: Mat<f64>,
+    /// Joint transforms on the basis.
+    joints: Mat<f64>,
+    /// Targets of the pull on helper transforms, on the basis.
+    anchors: Mat<f64>,
+    /// Weighted palette without a correction, on the basis of the base.
+    base: Mat<f64>,
+    /// Joint of each palette transform. A helper's weight counts for its dominant joint in the pull.
+    joints_of: Vec<usize>,
 }
 
 impl<'a> Refit<'a> {
-    fn new(fit: &'a HelperFit<'a>, influences: usize) -> Self {
-        let Training { rest, lbs, poses, settings, .. } = fit.training;
+    fn new(
+        fit: &'a HelperFit<'a>,
+        influences: usize,
+        [bases, anchors]: [&Mat<f64>; 2],
+        dominant: &[usize],
+    ) -> Self {
+        let HelperFit { training, joints, base, .. } = fit;
+        let Training { rest, lbs, poses, settings, .. } = *training;
         let threshold = settings.refit.powi(2) * poses.len() as f64;
-        let error = |v: usize| fit.training.importance().of(v).max(1.0) * lbs.errors[v];
+        let error = |v: usize| training.importance().of(v).max(1.0) * lbs.errors[v];
         let is_refitted =
             |&v: &usize| error(v) > threshold || lbs.weights.of(v).count() > influences;
         let vertices: Vec<usize> = (0..rest.len()).filter(is_refitted).collect();
         let own = |m: &Mat<f64>| columns::some(m, &vertices);
-        let trajectories = own(&fit.training.basis().coordinates);
+        let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
+        let trajectories = own(&training.basis().coordinates);
         let lists = vertices.iter().map(|&v| lbs.weights.of(v).collect());
+        let lbs = Weights::from_lists(lbs.weights.most(), lists);
+        let palette = onto(base, &faer::concat![[joints, bases]]);
+        let joint_len = joints.ncols() / 4;
         Self {
             rest: vertices.iter().map(|&v| rest[v]).collect(),
-            importance: fit.training.importance().some(&vertices),
-            lbs: Weights::from_lists(lbs.weights.most(), lists),
-            targets: faer::concat![[&trajectories], [&own(&fit.base.coordinates)]],
+            importance: training.importance().some(&vertices),
+            prior: lbs.dense(joint_len),
+            targets: faer::concat![[&trajectories], [&own(&base.coordinates)]],
+            joints: onto(training.basis(), joints),
+            anchors: onto(training.basis(), anchors),
+            base: palette * faer::Scale(settings.base),
+            joints_of: (0..joint_len).chain(dominant.iter().copied()).collect(),
             trajectories,
+            lbs,
             vertices,
             fit,
         }
@@ -195,6 +219,15 @@ impl<'a> Refit<'a> {
 
     fn importance(&self) -> Importance<'_> {
         Importance::by(self.importance.as_deref())
+    }
+
+    /// Fits weights and helper transforms in turn, starting from given transforms. Returns the weights.
+    fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
+        let training = self.fit.training;
+        let maps = training.basis().vectors.transpose() * maps;
+        let momentum = training.settings.momentum;
+        let alternation = Alternation { choices: CHOICES, every: 3, rounds: ROUNDS, momentum };
+        alternation.run(self, (&self.lbs, maps), influences, || ()).0
     }
 
     /// Replaces the weights of these vertices among the weights of all vertices.
@@ -205,69 +238,23 @@ impl<'a> Refit<'a> {
     }
 }
 
-/// Alternation between weights and helper transforms, on a basis of the trajectories.
-struct OnBasis<'a> {
-    refit: &'a Refit<'a>,
-    /// Joint transforms on the basis.
-    joints: Mat<f64>,
-    /// Targets of the pull on helper transforms, on the basis.
-    anchors: Mat<f64>,
-    /// Weighted palette without a correction, on the basis of the base.
-    base: Mat<f64>,
-    /// LBS weights, J x the vertices. They are the target of the pull on weights.
-    lbs: Mat<f64>,
-    /// Joint of each palette transform. A helper's weight counts for its dominant joint in the pull.
-    joints_of: Vec<usize>,
-}
-
-impl<'a> OnBasis<'a> {
-    fn new(refit: &'a Refit<'_>, [bases, anchors]: [&Mat<f64>; 2], dominant: &[usize]) -> Self {
-        let HelperFit { training, joints, base, .. } = refit.fit;
-        let onto = |basis: &Basis, maps: &Mat<f64>| basis.vectors.transpose() * maps;
-        let trajectories = training.basis();
-        let palette = onto(base, &faer::concat![[joints, bases]]);
-        let joint_len = joints.ncols() / 4;
-        Self {
-            refit,
-            joints: onto(trajectories, joints),
-            anchors: onto(trajectories, anchors),
-            base: palette * faer::Scale(training.settings.base),
-            lbs: refit.lbs.dense(joint_len),
-            joints_of: (0..joint_len).chain(dominant.iter().copied()).collect(),
-        }
-    }
-
-    /// Fits weights and helper transforms in turn, starting from given transforms. Returns the weights.
-    fn run(&self, maps: &Mat<f64>, influences: usize) -> Weights {
-        let training = self.refit.fit.training;
-        let columns = training.basis().vectors.transpose() * maps;
-        let maps = Maps { width: 4, columns };
-        let momentum = training.settings.momentum;
-        let alternation = Alternation { choices: CHOICES, every: 3, rounds: ROUNDS, momentum };
-        alternation.run(self, (&self.refit.lbs, maps), influences, || ()).0
-    }
-}
-
-impl InTurn for OnBasis<'_> {
-    fn weights(&self, helpers: &Maps, supports: Supports<'_>) -> (Weights, f64) {
-        let palette = faer::concat![[&self.joints, &helpers.columns]];
+impl InTurn for Refit<'_> {
+    fn weights(&self, helpers: &Mat<f64>, supports: Supports<'_>) -> (Weights, f64) {
+        let palette = faer::concat![[&self.joints, helpers]];
         let columns = faer::concat![[&palette], [&self.base]];
-        let Refit { rest, targets, .. } = self.refit;
-        let Training { settings, lbs, poses, .. } = self.refit.fit.training;
+        let Training { settings, lbs, poses, .. } = self.fit.training;
         let strength = (settings.weight_pull * lbs.strength).min(settings.weight_pull_max)
             * poses.len() as f64;
-        let pull = Some(Pull { to: &self.lbs, joints: &self.joints_of, strength });
-        let items = Items { pull, ..Items::vertices(rest, targets, self.refit.importance()) };
-        items.weights(&Maps { width: 4, columns }, supports)
+        let pull = Some(Pull { to: &self.prior, joints: &self.joints_of, strength });
+        let vertices = Items::vertices(&self.rest, &self.targets, self.importance());
+        Items { pull, ..vertices }.weights(&columns, supports)
     }
 
-    fn maps(&self, weights: &Weights, _: &Maps) -> Maps {
-        let Refit { rest, trajectories, .. } = self.refit;
-        let importance = self.refit.importance();
-        let targets = Targets { rest, weights, trajectories, importance };
-        let pull = self.refit.fit.training.settings.pull;
-        let columns = fit_helpers(&targets, [&self.joints, &self.anchors], pull);
-        Maps { width: 4, columns }
+    fn maps(&self, weights: &Weights, _: &Mat<f64>) -> Mat<f64> {
+        let Self { rest, trajectories, .. } = self;
+        let targets = Targets { rest, weights, trajectories, importance: self.importance() };
+        let pull = self.fit.training.settings.pull;
+        fit_helpers(&targets, [&self.joints, &self.anchors], pull)
     }
 }
 
@@ -277,7 +264,7 @@ fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2], pull: f
     let Targets { rest, trajectories, importance, .. } = *targets;
     let fixed = Some((&on_joints, joints));
     let items = Items { fixed, ..Items::vertices(rest, trajectories, importance) };
-    fit_maps(&items, &on_helpers, &Maps { width: 4, columns: anchors.clone() }, pull).columns
+    fit_maps(&items, &on_helpers, anchors, pull)
 }
 
 /// Writes the LBS error of a vertex in the frame of its dominant joint, pose by pose, and then its rest position: 3n +
@@ -290,8 +277,7 @@ fn features(training: &Training, vertex: usize, column: &mut [f64]) {
     let truth = training.trajectories.col_as_slice(vertex);
     for i in 0..poses.len() {
         let skinned: Vector3<f64> = joints.of(vertex).map(|(j, w)| poses.map(i, j) * h * w).sum();
-        let turn: Matrix3<f64> =
-            poses.map(i, joints.strongest(vertex).unwrap_or(0)).fixed_columns::<3>(0).into();
+        let turn = linear(poses.map(i, joints.strongest(vertex).unwrap_or(0)));
         let truth = Vector3::from_column_slice(&truth[3 * i..3 * i + 3]);
         let residual = turn.transpose() * (truth - skinned) * scale;
         column[3 * i..3 * i + 3].copy_from_slice(residual.as_slice());

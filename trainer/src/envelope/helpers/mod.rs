@@ -6,7 +6,7 @@ pub mod fit;
 use super::correction::features::Features;
 use super::correction::joint_sets::{self, JointSets};
 use super::correction::target::{CERTAINTY, CorrectionTarget};
-use super::fitted::Fitted;
+use super::fitted::{Fitted, corrected};
 use super::lbs::blend::Weights;
 use super::lbs::poses::Poses;
 use super::lbs::targets::bases;
@@ -41,13 +41,10 @@ impl Helpers {
         let mut rank = vec![0; order.len()];
         order.iter().enumerate().for_each(|(k, &l)| rank[l] = k);
         let joint_len = training.poses.joint_len();
-        let place = |(map, w): (usize, f64)| {
-            (map.checked_sub(joint_len).map_or(map, |l| joint_len + rank[l]), w)
-        };
-        let lists = (0..self.weights.len()).map(|v| self.weights.of(v).map(place).collect());
+        let place = |map: usize| map.checked_sub(joint_len).map_or(map, |l| joint_len + rank[l]);
         let from = columns::of_maps(&order);
         Self {
-            weights: Weights::from_lists(self.weights.most(), lists),
+            weights: self.weights.renumbered(place),
             dominant: order.iter().map(|&l| self.dominant[l]).collect(),
             joint_sets: order.iter().map(|&l| assigned[l]).collect(),
             residual: columns::some(&self.residual, &from),
@@ -86,9 +83,7 @@ impl Helpers {
 
     /// Computes the palette of the training poses with the true transforms of the helpers, 3n x 4(J + P).
     pub fn true_palette(&self, poses: &Poses) -> Mat<f64> {
-        let joints = poses.stacked();
-        let helpers = bases(&joints, &self.dominant) + &self.residual;
-        faer::concat![[joints, helpers]]
+        corrected(self.base(poses), &self.residual)
     }
 }
 

@@ -48,24 +48,20 @@ impl Poses {
         };
         for &frame in frames {
             let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
-            poses.push(&pose, &skeleton.parents);
+            let inverse = rigid_inverse(&pose[poses.root]);
+            let maps: Vec<_> = pose.iter().map(|b| after(&inverse, b)).collect();
+            let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
+            for (joint, parent) in skeleton.parents.iter().enumerate() {
+                let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
+                let relative = frame_of_parent.transpose() * rotations[joint];
+                poses.angles.push(parent.map_or(Vector3::zeros(), |_| so3::log(&relative)));
+                poses.parent_rotations.push(frame_of_parent);
+            }
+            poses.maps.extend(maps);
+            poses.roots.push(pose[poses.root]);
             poses.times.push(Time { clip: examples.clip_of(frame), frame });
         }
         poses
-    }
-
-    fn push(&mut self, pose: &[Matrix3x4<f64>], parents: &[Option<usize>]) {
-        let inverse = rigid_inverse(&pose[self.root]);
-        let maps: Vec<_> = pose.iter().map(|b| after(&inverse, b)).collect();
-        let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
-        for (joint, parent) in parents.iter().enumerate() {
-            let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
-            let relative = frame_of_parent.transpose() * rotations[joint];
-            self.angles.push(parent.map_or(Vector3::zeros(), |_| so3::log(&relative)));
-            self.parent_rotations.push(frame_of_parent);
-        }
-        self.maps.extend(maps);
-        self.roots.push(pose[self.root]);
     }
 
     /// Returns n.
@@ -175,20 +171,12 @@ impl Poses {
         parents.iter().enumerate().map(of_joint).collect()
     }
 
-    /// Measures positions from a centre.
-    pub fn about(mut self, centre: [f64; 3]) -> Self {
+    /// Measures positions from a centre in a unit, as [`local`] does.
+    pub fn local(mut self, (centre, unit): ([f64; 3], f64)) -> Self {
         let centre = Vector3::from(centre);
         for map in self.maps.iter_mut().chain(&mut self.roots) {
             let shifted = map.fixed_columns::<3>(0) * centre + map.column(3) - centre;
-            map.set_column(3, &shifted);
-        }
-        self
-    }
-
-    /// Measures lengths in a unit.
-    pub fn in_units_of(mut self, unit: f64) -> Self {
-        for map in self.maps.iter_mut().chain(&mut self.roots) {
-            map.column_mut(3).unscale_mut(unit);
+            map.set_column(3, &shifted.unscale(unit));
         }
         self
     }
@@ -242,16 +230,16 @@ pub fn local(x: &[f64; 3], (centre, unit): ([f64; 3], f64)) -> [f64; 3] {
 pub fn seen_from(
     examples: &Examples,
     frames: &[usize],
-    (centre, unit): ([f64; 3], f64),
+    space: ([f64; 3], f64),
 ) -> (Poses, Mat<f64>) {
     let poses = Poses::new(examples, frames);
     let mut trajectories = trajectories(examples, frames, &poses);
     for vertex in 0..trajectories.ncols() {
         for y in trajectories.col_as_slice_mut(vertex).as_chunks_mut::<3>().0 {
-            *y = local(y, (centre, unit));
+            *y = local(y, space);
         }
     }
-    (poses.about(centre).in_units_of(unit), trajectories)
+    (poses.local(space), trajectories)
 }
 
 /// Inverts a rigid map.
@@ -294,7 +282,7 @@ mod tests {
             assert!((found - expected).abs() < 1e-9 + still, "{joint}: {found} {expected}");
         }
         let centre = Vector3::new(0.5, -2.0, 1.0);
-        let shifted = poses.about(centre.into()).in_units_of(4.0);
+        let shifted = poses.local((centre.into(), 4.0));
         let origins: Vec<_> = origins.iter().map(|origin| (origin - centre) / 4.0).collect();
         for (a, b) in shifted.gaps(&parents, &origins).iter().zip(&found) {
             assert!((4.0 * a - b).abs() < 1e-9);

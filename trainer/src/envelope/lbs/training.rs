@@ -3,17 +3,18 @@
 use super::blend::Weights;
 use super::poses::{MIN_POSES, Poses, local, seen_from};
 use super::prior::prior;
-use super::targets::Targets;
+use super::targets::{Targets, in_poses};
 use super::weights::{FREE, Lbs};
 use crate::Error;
 use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Skeleton, Split};
+use crate::numeric::affine::linear;
 use crate::numeric::basis::{Basis, basis};
 use crate::numeric::columns;
 use crate::progress::Progress;
 use crate::settings::Settings;
 use faer::Mat;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::OnceLock;
 
@@ -153,9 +154,7 @@ impl<'a> Training<'a> {
 
     /// Returns the trajectories of some vertices in some of the poses: 3 rows a pose, a column a vertex.
     pub fn trajectories_of(&self, vertices: &[usize], poses: &[usize]) -> Mat<f64> {
-        Mat::from_fn(3 * poses.len(), vertices.len(), |row, k| {
-            self.trajectories[(3 * poses[row / 3] + row % 3, vertices[k])]
-        })
+        in_poses(&columns::some(&self.trajectories, vertices), poses)
     }
 
     /// Converts other frames to these units: poses, and trajectories 3n x V.
@@ -243,8 +242,7 @@ impl Residuals<'_> {
     pub fn gram(&self, joint: usize, skin: &[usize], poses: &[usize]) -> Mat<f64> {
         let mut weighted = Mat::zeros(3 * skin.len(), poses.len());
         for (i, &pose) in poses.iter().enumerate() {
-            let turn: Matrix3<f64> =
-                self.training.poses.map(pose, joint).fixed_columns::<3>(0).transpose();
+            let turn = linear(self.training.poses.map(pose, joint)).transpose();
             for (k, &vertex) in skin.iter().enumerate() {
                 let weight = self.training.importance().of(vertex).sqrt();
                 let column = self.residuals.col_as_slice(vertex);

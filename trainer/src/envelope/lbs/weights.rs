@@ -1,7 +1,7 @@
 //! LBS weights by non-negative least squares (METHOD §1.2): the baseline of every report, and the weights of vertices
 //! without helpers.
 
-use super::blend::{Items, Maps, Pull, Supports, Weights, fit_weights};
+use super::blend::{Items, Pull, Supports, Weights, fit_weights};
 use super::poses::{Poses, local, seen_from};
 use super::prior::prior;
 use super::targets::{Targets, in_poses};
@@ -9,7 +9,6 @@ use crate::envelope::folds::Folds;
 use crate::examples::{Examples, Importance, Matrix3x4, Split, spread};
 use crate::numeric::affine::{cofactors, from_rows, homogeneous, linear};
 use crate::numeric::columns;
-use crate::regression::outputs::Block;
 use crate::settings::{FEW_VERTICES, TIED};
 use faer::Mat;
 use nalgebra::Vector3;
@@ -42,8 +41,7 @@ pub fn fit(
         Pull { to, joints: &joints, strength }
     });
     let items = Items { pull, ..Items::vertices(rest, trajectories, Importance::UNIFORM) };
-    let joints = Maps { width: 4, columns: poses.stacked() };
-    fit_weights(&items, &joints, Supports::Free(most))
+    fit_weights(&items, &poses.stacked(), Supports::Free(most))
 }
 
 /// Linear blend skinning: the baseline of every report, and the weights of vertices without helpers.
@@ -59,7 +57,8 @@ pub struct Lbs {
 }
 
 impl Lbs {
-    /// Fits LBS in training units and chooses the strength of the pull to prior weights.
+    /// Fits LBS in training units. Chooses the strength of the pull to prior weights by cross-validation over clips or
+    /// runs: the strongest pull wins among those that tie with the best.
     ///
     /// - `rest`: V rest positions.
     /// - `trajectories`: 3n x V.
@@ -70,7 +69,31 @@ impl Lbs {
         (poses, folds): (&Poses, &Folds),
         prior: Mat<f64>,
     ) -> Self {
-        let strength = strength(rest, trajectories, (poses, &folds.clips_or_runs()), &prior);
+        let blocks = folds.clips_or_runs();
+        let vertices = spread(rest.len(), FEW_VERTICES);
+        let few: Vec<_> = vertices.iter().map(|&v| rest[v]).collect();
+        let [moved, few_prior] = [trajectories, &prior].map(|all| columns::some(all, &vertices));
+        let errors = blocks.par_iter().map(|block| {
+            let others = block.others(poses.len());
+            let [seen, unseen] = [&others, &block.own].map(|own| in_poses(&moved, own));
+            let [seen_poses, unseen_poses] = [&others, &block.own].map(|own| poses.only(own));
+            STRENGTHS.map(|strength| {
+                let pull = Some((&few_prior, strength));
+                let (weights, _) = fit(&few, &seen, &seen_poses, BASELINE_INFLUENCES, pull);
+                let importance = Importance::UNIFORM;
+                let targets =
+                    Targets { rest: &few, weights: &weights, trajectories: &unseen, importance };
+                targets.residuals(&unseen_poses.stacked()).squared_norm_l2()
+            })
+        });
+        let errors: Vec<_> = errors.collect();
+        let sums: [f64; STRENGTHS.len()] =
+            std::array::from_fn(|k| errors.iter().map(|of_block| of_block[k]).sum());
+        let counted = vertices.len() * blocks.iter().map(|block| block.own.len()).sum::<usize>();
+        let exact = EXACT.powi(2) * counted as f64;
+        let least = sums.into_iter().fold(f64::INFINITY, f64::min).max(exact);
+        let strongest = sums.iter().position(|&sum| sum <= TIED.powi(2) * least);
+        let strength = STRENGTHS[strongest.unwrap_or(0)];
         Self::pulled(rest, trajectories, poses, (prior, strength))
     }
 
@@ -85,40 +108,6 @@ impl Lbs {
         let (weights, errors) = fit(rest, trajectories, poses, BASELINE_INFLUENCES, pull);
         Self { weights, errors, prior, strength }
     }
-}
-
-/// Chooses the strength of the pull to prior weights by cross-validation over blocks of poses. The strongest pull wins
-/// among those that tie with the best.
-fn strength(
-    rest: &[[f64; 3]],
-    trajectories: &Mat<f64>,
-    (poses, blocks): (&Poses, &[Block]),
-    prior: &Mat<f64>,
-) -> f64 {
-    let vertices = spread(rest.len(), FEW_VERTICES);
-    let rest: Vec<_> = vertices.iter().map(|&v| rest[v]).collect();
-    let [trajectories, prior] = [trajectories, prior].map(|all| columns::some(all, &vertices));
-    let errors = blocks.par_iter().map(|block| {
-        let others = block.others(poses.len());
-        let [seen, unseen] = [&others, &block.own].map(|own| in_poses(&trajectories, own));
-        let [seen_poses, unseen_poses] = [&others, &block.own].map(|own| poses.only(own));
-        STRENGTHS.map(|strength| {
-            let pull = Some((&prior, strength));
-            let (weights, _) = fit(&rest, &seen, &seen_poses, BASELINE_INFLUENCES, pull);
-            let importance = Importance::UNIFORM;
-            let targets =
-                Targets { rest: &rest, weights: &weights, trajectories: &unseen, importance };
-            targets.residuals(&unseen_poses.stacked()).squared_norm_l2()
-        })
-    });
-    let errors: Vec<_> = errors.collect();
-    let sums: [f64; STRENGTHS.len()] =
-        std::array::from_fn(|k| errors.iter().map(|of_block| of_block[k]).sum());
-    let counted = vertices.len() * blocks.iter().map(|block| block.own.len()).sum::<usize>();
-    let exact = EXACT.powi(2) * counted as f64;
-    let least = sums.into_iter().fold(f64::INFINITY, f64::min).max(exact);
-    let strongest = sums.iter().position(|&sum| sum <= TIED.powi(2) * least);
-    STRENGTHS[strongest.unwrap_or(0)]
 }
 
 /// Fits the weights of the baseline to the training frames of the examples.

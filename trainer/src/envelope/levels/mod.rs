@@ -6,7 +6,7 @@ mod nearest;
 pub use follow::{Influences, Level, LevelReport, SkinSurface};
 
 use crate::Error;
-use crate::envelope::model::{FileModel, Shapes, SkinModel};
+use crate::envelope::model::{FileModel, SkinModel};
 use crate::envelope::normals::{Fan, PosedSurface};
 use crate::envelope::posed::{influences, palette, rest, skin_on};
 use crate::examples::{Examples, Split, spread};
@@ -93,7 +93,7 @@ pub fn add(
     let mut levels = levels.to_vec();
     let (influences, reports) = surface.follow_all(&mut levels)?;
     for (level, influences) in levels.iter().zip(influences) {
-        let mut further = skin_of(level, &influences);
+        let mut further = SkinModel::new(&level.name, &level.mesh.surface(), &influences);
         if coefficients {
             fit_normals(&mut further, level, &surface, skin.influence_len());
         }
@@ -107,8 +107,8 @@ pub fn reserve(model: &mut FileModel, levels: &[Level]) {
     let all = model.skins.first().map_or(&[][..], |skin| &skin.influences);
     let most = all.iter().map(Vec::len).max().unwrap_or(0);
     for level in levels {
-        let any = vec![(0, 1.0); most];
-        model.skins.push(skin_of(level, &vec![any; level.mesh.positions.len()]));
+        let any = vec![vec![(0, 1.0); most]; level.mesh.positions.len()];
+        model.skins.push(SkinModel::new(&level.name, &level.mesh.surface(), &any));
     }
 }
 
@@ -155,26 +155,6 @@ fn fit_normals(skin: &mut SkinModel, level: &Level, surface: &SkinSurface<'_>, l
     posed.fit(skin, diagonal, len_max);
 }
 
-/// Creates the skin of a further mesh.
-///
-/// - `influences`: of its vertices, V.
-fn skin_of(level: &Level, influences: &Influences) -> SkinModel {
-    let Level { name, mesh, .. } = level;
-    let surface = mesh.surface();
-    SkinModel {
-        name: name.clone(),
-        envelope: Some(0),
-        rest_positions: surface.copied(&mesh.positions),
-        rest_normals: surface.normals(),
-        rest_tangents: surface.tangents(),
-        influences: surface.copied(influences),
-        tangent_coefficients: None,
-        normal_errors: None,
-        ranges: Vec::new(),
-        shapes: Shapes::default(),
-    }
-}
-
 impl SkinSurface<'_> {
     /// Finds weights for further meshes, as [`Self::follow`] does. First converts meshes in other axes or another unit.
     ///
@@ -212,7 +192,7 @@ impl SkinSurface<'_> {
             median(feet.map(|foot| foot.distance / self.diagonal).collect())
         };
         let conversions: Vec<Conversion> = rotations()
-            .flat_map(|rotation| SCALES.map(|scale| Conversion::new(rotation, scale)))
+            .flat_map(|rotation| SCALES.map(|scale| Conversion { axes: rotation, scale }))
             .collect();
         // The first conversion is the identity.
         let unmoved = conversions.first().map_or(0.0, distance);

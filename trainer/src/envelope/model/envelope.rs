@@ -216,7 +216,7 @@ impl Group {
 
     /// Converts the group. With unit u and centre o, a correction `[L | t]` adds `L (x - o) + u t`.
     fn restate(&mut self, unit: f64, [ox, oy, oz]: [f64; 3]) {
-        for input in self.inputs.iter_mut().filter(|input| input.is_displacement()) {
+        for input in self.inputs.iter_mut().filter(|input| input.feature % 4 == 3) {
             *input = Input { weight: input.weight / unit, ..*input };
         }
         let outputs = &self.outputs;
@@ -227,13 +227,6 @@ impl Group {
                 c => own(c),
             }
         });
-    }
-}
-
-impl Input {
-    /// Returns true if the feature is a coordinate of a displacement.
-    pub fn is_displacement(&self) -> bool {
-        self.feature % 4 == 3
     }
 }
 

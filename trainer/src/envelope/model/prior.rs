@@ -56,17 +56,6 @@ impl PriorModel {
         self.mean.len()
     }
 
-    /// Computes Σ⁻¹; `None` if Σ is not positive definite.
-    pub fn precision(&self) -> Option<Mat<f64>> {
-        Some(self.covariance.llt(Side::Lower).ok()?.inverse())
-    }
-
-    /// Computes the upper triangle U with `Σ⁻¹ = Uᵀ U`; `None` if Σ is not positive definite.
-    pub fn factor(&self) -> Option<Mat<f64>> {
-        let precision = self.precision()?;
-        Some(precision.llt(Side::Lower).ok()?.L().transpose().to_owned())
-    }
-
     /// Creates the prior part as FORMAT.md defines it.
     ///
     /// - `skin`: index of the skin among the file's parts.
@@ -84,7 +73,7 @@ impl PriorModel {
         )?;
         check_len("bounds of weights", n, self.bounds.len())?;
         let no_inverse = || Error::value("the covariance of the weights has no inverse");
-        let factor = self.factor().ok_or_else(no_inverse)?;
+        let factor = factor(&self.covariance).ok_or_else(no_inverse)?;
         let rows: Vec<f64> =
             (0..n).flat_map(|i| (i..n).map(move |j| (i, j))).map(|at| factor[at]).collect();
         let counts = PriorCounts {
@@ -114,6 +103,12 @@ impl PriorModel {
         ];
         Ok(Part { kind: PartKind::Prior, sections, element: Element::F32 })
     }
+}
+
+/// Computes the upper triangle U with `Σ⁻¹ = Uᵀ U`; `None` if Σ is not positive definite.
+fn factor(covariance: &Mat<f64>) -> Option<Mat<f64>> {
+    let precision = covariance.llt(Side::Lower).ok()?.inverse();
+    Some(precision.llt(Side::Lower).ok()?.L().transpose().to_owned())
 }
 
 /// Computes (Uᵀ U)⁻¹ for an upper triangle U.

@@ -1,5 +1,6 @@
 //! A skin in f64: a mesh that follows a palette, and its shapes (METHOD §5).
 
+use crate::mesh::Surface;
 use crate::numeric::affine;
 use nalgebra::{Matrix3x4, Vector3, Vector4};
 use sinew_runtime::Skin;
@@ -75,6 +76,24 @@ pub struct Vertex<'a> {
 }
 
 impl SkinModel {
+    /// Creates the skin of a surface that follows the first envelope, with cofactor normals.
+    ///
+    /// - `influences`: of the surface's vertices.
+    pub(crate) fn new(name: &str, surface: &Surface<'_>, influences: &[Vec<(usize, f64)>]) -> Self {
+        Self {
+            name: name.to_owned(),
+            envelope: Some(0),
+            rest_positions: surface.copied(surface.positions),
+            rest_normals: surface.normals(),
+            rest_tangents: surface.tangents(),
+            influences: surface.copied(influences),
+            tangent_coefficients: None,
+            normal_errors: None,
+            ranges: Vec::new(),
+            shapes: Shapes::default(),
+        }
+    }
+
     /// Converts a loaded skin to f64.
     pub fn from_file(skin: &Skin<'_>) -> Self {
         let vertices = 0..skin.vertex_len();
@@ -106,13 +125,14 @@ impl SkinModel {
     /// # Panics
     /// If `index` is not a vertex.
     pub fn vertex(&self, index: usize) -> Vertex<'_> {
+        let coefficients = self.tangent_coefficients.as_ref();
         let tangent = |&[x, y, z, hand]: &[f64; 4]| (Vector3::new(x, y, z), hand);
         Vertex {
             position: Vector3::from(self.rest_positions[index]).push(1.0),
             normal: self.rest_normals[index].into(),
             tangent: self.rest_tangents.as_ref().map(|tangents| tangent(&tangents[index])),
             influences: self.influences.get(index).map_or(&[], Vec::as_slice),
-            coefficients: self.coefficients().get(index).map_or(&[], Vec::as_slice),
+            coefficients: coefficients.and_then(|all| all.get(index)).map_or(&[], Vec::as_slice),
         }
     }
 
@@ -126,10 +146,6 @@ impl SkinModel {
         let k = self.influence_len();
         let none = || vec![vec![[0.0; 2]; k]; self.influences.len()];
         self.tangent_coefficients = (k > 1).then(none);
-    }
-
-    fn coefficients(&self) -> &[Vec<[f64; 2]>] {
-        self.tangent_coefficients.as_deref().unwrap_or_default()
     }
 
     /// Iterates over the V vertices.

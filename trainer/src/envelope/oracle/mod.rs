@@ -5,12 +5,10 @@
 
 mod correction;
 mod reconstruction;
-mod shapes;
 mod skin;
 
 pub use reconstruction::stack;
-pub use shapes::ShapedVertex;
-pub use skin::SkinnedVertex;
+pub use skin::MovedVertex;
 
 use crate::envelope::lbs::poses::Poses;
 use crate::envelope::lbs::targets::set_map;
@@ -23,14 +21,12 @@ impl EnvelopeModel {
     ///
     /// - `pose`: skinning matrices, J.
     pub fn evaluate(&self, pose: &[Matrix3x4<f64>]) -> (Vec<Matrix3x4<f64>>, f64) {
+        let base = self.base(pose);
         if !self.predictor().reconstructs() {
-            return self.correct(pose, &self.features(pose), self.joints(pose));
+            return self.correct(pose, &self.features(pose), base);
         }
-        let relative = self.relative(pose);
-        let rotations = self.rotations(&relative);
-        let gradients = self.gradients(&relative, &rotations);
-        let palette = self.palette(&pose[self.skeleton.root()], &relative, &gradients);
-        (palette, self.confidence(&rotations))
+        let confidence = self.confidence(&self.rotations(&self.relative(pose)));
+        (base, confidence)
     }
 
     /// Evaluates a pose without the correction. Returns the base palette.

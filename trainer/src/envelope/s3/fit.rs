@@ -2,14 +2,12 @@
 
 use super::keys::{GradientPredictor, predict_stacked};
 use super::merge::MergeTree;
-use super::options::{Method, RotationalOptions};
 use super::proxies::CountTrial;
 use super::reduce::{Reduced, Reduction};
+use super::rotation::KeyChoice;
 use super::surface::Surface;
-use super::validation::{
-    Candidates, Keyed, Refinement, RefinementTrial, Refining, Setting, SettingTrial, Validation,
-};
-use super::{keys, proxies, published, validation};
+use super::validation::{Refinement, RefinementTrial, Refining, Setting, SettingTrial, Validation};
+use super::{Method, RotationalOptions, keys, proxies, published, validation};
 use crate::Error;
 use crate::envelope::fitted::Fitted;
 use crate::envelope::lbs::blend::Weights;
@@ -20,19 +18,16 @@ use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::Matrix3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// A fitted envelope of P proxies, in training units.
 pub struct Rotational {
     /// Weights α of each vertex on the proxies.
-    pub weights: Weights,
-    /// Dominant joint of each proxy, P, ascending.
-    pub dominant: Vec<usize>,
+    weights: Weights,
     /// Method of the fit: [`Method::Refined`] only if the refinement lowers the cross-validated error.
     pub method: Method,
     /// Predictors of the keys' gradients, P.
-    pub predictors: Vec<GradientPredictor>,
+    predictors: Vec<GradientPredictor>,
     /// c1 and c2.
     reduced: Reduced,
     /// Proxy maps of all training poses, 3n x 4P; the maps of a fold come from a fit without the fold.
@@ -70,30 +65,6 @@ pub struct RotationalReport {
     pub near_rigid_deviation: f64,
 }
 
-/// Joints of a key.
-#[derive(Clone, Debug, Serialize)]
-pub struct KeyChoice {
-    /// b, the joint that the key follows.
-    pub joint: usize,
-    /// c.
-    pub residual_joint: Option<usize>,
-    /// Σ|R - R_pred|² of each joint as b, J.
-    pub errors: Vec<f64>,
-    /// Σ|R - R_pred|² of each joint as c, J; the entry of b is the error without c.
-    pub residual_errors: Vec<f64>,
-}
-
-impl KeyChoice {
-    fn new(predictor: &GradientPredictor) -> Self {
-        Self {
-            joint: predictor.key.joint,
-            residual_joint: predictor.key.residual.map(|(joint, _)| joint),
-            errors: predictor.errors.clone(),
-            residual_errors: predictor.residual_errors.clone(),
-        }
-    }
-}
-
 /// Fits an envelope to the training frames.
 ///
 /// # Errors
@@ -119,9 +90,9 @@ pub fn fit(
             proxies::fit(&surface, &tree, &followed, options, progress)?
         }
     };
-    let dominant = proxies.sort_by_joint(joints, poses.joint_len());
+    proxies.sort_by_joint(joints, poses.joint_len());
     let keys = keys::fit(&surface, &proxies, options.influences, progress);
-    let sequences: Vec<_> = (0..keys.len()).map(|l| keys.sequence(l, &basis.vectors)).collect();
+    let sequences = keys.sequences(&basis.vectors);
 
     let published = (options.method == Method::Published).then(|| published::setting(lbs_errors));
     let (weights, palette_len) = match &published {
@@ -137,52 +108,40 @@ pub fn fit(
         GradientPredictor::fit(poses, parents, d, options.method)
     };
     let projection = Projection::new(&targets, palette_len);
-    progress.step("key predictors", 1);
-    let keyed = Keyed {
-        predictors: sequences.par_iter().map(|d| predictor(poses, d)).collect(),
-        validation: Validation::new(&projection, poses, &sequences, &predictor, progress),
-    };
-    let candidates = Candidates {
-        reduction: Reduction {
-            rest,
-            triangles: &surface.triangles,
-            proxies: &proxies.weights,
-            keys: &keys.weights,
-            joints,
-            proxy_len: proxies.len(),
-            joint_len: poses.joint_len(),
-            fixed: &[],
-            anchors: None,
-        },
-        lbs_errors,
-        validation: &keyed.validation,
+    let keyed = Validation::new(&projection, poses, &sequences, &predictor, progress);
+    let reduction = Reduction {
+        rest,
+        triangles: &surface.triangles,
+        proxies: &proxies.weights,
+        keys: &keys.weights,
+        joints,
+        proxy_len: proxies.len(),
+        joint_len: poses.joint_len(),
+        fixed: &[],
+        anchors: None,
     };
     let (choice, trials) = match published {
         Some(setting) => (setting, Vec::new()),
-        None => candidates.choose(progress)?,
+        None => validation::choose_setting(reduction, lbs_errors, &keyed, progress)?,
     };
     let fixed = validation::near_rigid(lbs_errors, choice.near_rigid_fraction);
-    let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..candidates.reduction };
+    let system = Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..reduction };
     let unrefined = system.run().ok_or_else(validation::singular)?;
     let unrefined = if published.is_some() { unrefined.and_joints() } else { unrefined };
 
-    let mut method = match options.method {
-        Method::Published => Method::Published,
-        Method::Unrefined | Method::Refined => Method::Unrefined,
-    };
-    let mut validated = keyed.validation.join(&keyed.validation.unrefined(&unrefined));
+    let mut method = if published.is_some() { Method::Published } else { Method::Unrefined };
+    let mut validated = keyed.unrefined(&unrefined);
     let (mut predictors, mut reduced) = (keyed.predictors.clone(), unrefined.clone());
     let (mut refinement, mut refinements) = (None, Vec::new());
     if options.method == Method::Refined {
         progress.step("refinement", 1);
         let rigid = keyed.without_shear();
-        let [shearing, rigid] =
-            [&keyed, &rigid].map(|keyed| Refining::new(&unrefined, keyed, poses, &projection));
+        let [shearing, rigid] = [&keyed, &rigid].map(|keyed| Refining::new(&unrefined, keyed));
         (refinement, refinements) = validation::choose_refinement(&shearing, &rigid);
         if let Some(choice) = &refinement {
             let refining = if choice.shear { &shearing } else { &rigid };
             (method, reduced) = (Method::Refined, refining.refined(choice));
-            validated = keyed.validation.join(&refining.maps_of_folds(choice));
+            validated = refining.validated(choice);
             predictors.clone_from(&refining.keyed.predictors);
         }
     }
@@ -193,7 +152,7 @@ pub fn fit(
         proxy_counts: proxies.trials,
         proxy_rms: proxies.rms,
         key_rms: keys.rms,
-        keys: keyed.predictors.iter().map(KeyChoice::new).collect(),
+        keys: keyed.predictors.iter().map(|predictor| predictor.choice.clone()).collect(),
         trials,
         choice,
         refinements,
@@ -206,7 +165,7 @@ pub fn fit(
             &fixed,
         ),
     };
-    Ok(Rotational { weights, dominant, method, predictors, reduced, validated, report })
+    Ok(Rotational { weights, method, predictors, reduced, validated, report })
 }
 
 /// Stacks the maps of the joints that at least one vertex follows, 3n x 4 per joint.

@@ -1,11 +1,11 @@
 //! Keys: P gradient sequences whose blends move every triangle's edges (METHOD §1.7.2, S3 §3.2). Each key has a
 //! predictor: rotation (METHOD §1.4) times scale and shear (METHOD §1.5).
 
-use super::options::Method;
+use super::Method;
 use super::proxies::Proxies;
-use super::rotation::{RotationPredictor, Solver};
-use super::surface::Surface;
-use crate::envelope::lbs::blend::{Alternation, Blend, Items, Maps, Weights};
+use super::rotation::{self, KeyChoice};
+use super::surface::{Surface, edge_frame};
+use crate::envelope::lbs::blend::{Alternation, Blend, Items, Weights};
 use crate::envelope::lbs::poses::Poses;
 use crate::envelope::model::{Key, angles, symmetric};
 use crate::examples::Importance;
@@ -29,12 +29,12 @@ pub struct Keys {
     /// Weights β of each triangle on at most K keys.
     pub weights: Weights,
     /// Gradients D_l on the trajectory basis, r x 3P.
-    gradients: Maps,
+    gradients: Mat<f64>,
     /// RMS error of the edges over triangles and training frames.
     pub rms: f64,
 }
 
-/// A key, and the errors of all joints in its place.
+/// A key, and the choice of its joints.
 #[derive(Clone, Debug)]
 pub struct GradientPredictor {
     /// `D(q) = Q_p exp(u W θ_b) [exp(u' W' θ_c)] S(q)`.
@@ -43,10 +43,8 @@ pub struct GradientPredictor {
     pub parent: Option<usize>,
     /// Bias B, added to S(q); 0 except in a published fit.
     pub bias: Matrix3<f64>,
-    /// Σ|R - R_pred|² of each joint as b, J.
-    pub errors: Vec<f64>,
-    /// Σ|R - R_pred|² of each joint as c, J; the entry of b is the error without c.
-    pub residual_errors: Vec<f64>,
+    /// Joints of the key, and the errors of all joints.
+    pub choice: KeyChoice,
 }
 
 /// Fits keys to the edges of a surface. The linear parts of the proxies are the start.
@@ -62,10 +60,9 @@ pub fn fit(
         (0..surface.triangles.len()).map(|t| surface.triangle_importance(t)).collect();
     let importance = Importance::by(Some(&counts));
     let items = Items::new([3, 3], edge_rows(surface), &y, importance);
-    let columns = Mat::from_fn(surface.vertices.nrows(), 3 * proxies.len(), |k, column| {
-        proxies.maps.columns[(k, 4 * (column / 3) + column % 3)]
+    let start = Mat::from_fn(surface.vertices.nrows(), 3 * proxies.len(), |k, column| {
+        proxies.maps[(k, 4 * (column / 3) + column % 3)]
     });
-    let start = Maps { width: 3, columns };
     let Blend { weights, maps, error } =
         ALTERNATION.blend(&items, start, influences, || progress.advance(1));
     let edges = (2 * surface.triangles.len() * surface.frames).max(1) as f64;
@@ -73,24 +70,16 @@ pub fn fit(
 }
 
 impl Keys {
-    /// Returns P.
-    pub fn len(&self) -> usize {
-        self.gradients.len()
-    }
-
-    /// Returns whether there is no key.
-    pub fn is_empty(&self) -> bool {
-        self.gradients.is_empty()
-    }
-
-    /// Returns the gradients of a key in n frames.
+    /// Returns the gradients of each of the P keys in n frames.
     ///
     /// - `basis`: trajectories of the basis, 3n x r.
-    pub fn sequence(&self, key: usize, basis: &Mat<f64>) -> Vec<Matrix3<f64>> {
-        let stacked = basis * self.gradients.columns.subcols(3 * key, 3);
-        (0..stacked.nrows() / 3)
-            .map(|frame| Matrix3::from_fn(|r, c| stacked[(3 * frame + r, c)]))
-            .collect()
+    pub fn sequences(&self, basis: &Mat<f64>) -> Vec<Vec<Matrix3<f64>>> {
+        let of = |key: usize| {
+            let stacked = basis * self.gradients.subcols(3 * key, 3);
+            let at = |frame: usize| Matrix3::from_fn(|r, c| stacked[(3 * frame + r, c)]);
+            (0..stacked.nrows() / 3).map(at).collect()
+        };
+        (0..self.gradients.ncols() / 3).map(of).collect()
     }
 }
 
@@ -105,16 +94,14 @@ impl GradientPredictor {
         gradients: &[Matrix3<f64>],
         method: Method,
     ) -> Self {
-        let published = method == Method::Published;
-        let solver = if published { Solver::Alternation } else { Solver::ClosedForm };
         let (rotations, stretches): (Vec<_>, Vec<_>) =
             polar_sequence(gradients).into_iter().unzip();
-        let RotationPredictor { joint, twist, residual, errors, residual_errors } =
-            RotationPredictor::fit(poses, &rotations, solver);
-        let parent = parents[joint];
-        let stretches = stretches.into_iter();
-        let (shear, bias) = fit_stretch(poses, joint, parent, stretches, published);
-        Self { key: Key { joint, twist, residual, shear }, parent, bias, errors, residual_errors }
+        let (mut key, choice) = rotation::fit(poses, &rotations, method);
+        let (parent, stretches) = (parents[key.joint], stretches.into_iter());
+        let biased = method == Method::Published;
+        let (shear, bias) = fit_stretch(poses, key.joint, parent, stretches, biased);
+        key.shear = shear;
+        Self { key, parent, bias, choice }
     }
 
     /// Returns this predictor without scale and shear.
@@ -151,11 +138,10 @@ pub fn predict_stacked(predictors: &[GradientPredictor], poses: &Poses) -> Mat<f
 /// Returns three rows per triangle: its two rest edges, and its rest normal times [`NORMAL_WEIGHT`].
 fn edge_rows(surface: &Surface<'_>) -> Vec<f64> {
     let mut h = Vec::with_capacity(9 * surface.triangles.len());
-    for triangle in 0..surface.triangles.len() {
-        for edge in surface.rest_edges(triangle) {
-            h.extend_from_slice(edge.as_slice());
-        }
-        h.extend((surface.rest_normals[triangle] * NORMAL_WEIGHT).iter());
+    for (triangle, normal) in surface.triangles.iter().zip(&surface.rest_normals) {
+        let frame = edge_frame(triangle.map(|v| &surface.rest[v]));
+        h.extend_from_slice(&frame.as_slice()[..6]);
+        h.extend((normal * NORMAL_WEIGHT).iter());
     }
     h
 }
@@ -272,7 +258,7 @@ mod tests {
         let joints = Mat::zeros(0, 0);
         let proxies = proxies::fit(&surface, &tree, &joints, &options, &Silent).unwrap();
         let keys = fit(&surface, &proxies, 4, &Silent);
-        for (frame, found) in keys.sequence(0, &basis.vectors).iter().enumerate() {
+        for (frame, found) in keys.sequences(&basis.vectors)[0].iter().enumerate() {
             // The third edge n̂ does not move by an affine map, so its small weight adds an error.
             assert!((found - affine(frame as f64)).amax() < 0.02, "{found}");
         }

@@ -39,7 +39,7 @@ impl MergeTree {
                 }
                 continue;
             };
-            if !groups.adjacent(best.from, best.into) {
+            if !groups.0[best.from as usize].neighbours.contains(&best.into) {
                 continue;
             }
             let error = groups.move_error(best.from, best.into);
@@ -107,123 +107,114 @@ impl PartialEq for Move {
 impl Eq for Move {}
 
 /// Groups of triangles; a merged group is empty.
-struct Patches {
-    rank: usize,
-    /// Σ h hᵀ of each group.
-    points: Vec<Matrix4<f64>>,
-    /// Σ h yᵀ of each group: four rows of `rank` values.
-    targets: Vec<Vec<f64>>,
-    /// Σ |y|² of each group.
-    energy: Vec<f64>,
-    /// Fitted map of each group, as `targets`; empty after the group is merged into another.
-    maps: Vec<Vec<f64>>,
-    neighbours: Vec<BTreeSet<u32>>,
-    centre: Vec<[f64; 3]>,
+struct Patches(Vec<Patch>);
+
+/// A group of triangles.
+#[derive(Default)]
+struct Patch {
+    /// Σ h hᵀ.
+    points: Matrix4<f64>,
+    /// Σ h yᵀ: four rows.
+    targets: Vec<f64>,
+    /// Σ |y|².
+    energy: f64,
+    /// Fitted map, as `targets`; empty after the group is merged into another.
+    map: Vec<f64>,
+    neighbours: BTreeSet<u32>,
+    centre: [f64; 3],
+}
+
+impl Patch {
+    fn add_point(&mut self, x: &[f64; 3], y: &[f64], counts: f64) {
+        let h = homogeneous(x);
+        self.points += h * h.transpose() * counts;
+        for (row, target) in self.targets.chunks_exact_mut(y.len()).enumerate() {
+            for (sum, value) in target.iter_mut().zip(y) {
+                *sum += counts * h[row] * value;
+            }
+        }
+        self.energy += counts * y.iter().map(|v| v * v).sum::<f64>();
+    }
+
+    fn refit(&mut self) {
+        let inverse = regular_inverse(&self.points);
+        let rank = self.targets.len() / 4;
+        self.map = vec![0.0; 4 * rank];
+        for row in 0..4 {
+            let out = &mut self.map[row * rank..(row + 1) * rank];
+            for column in 0..4 {
+                let factor = inverse[(row, column)];
+                for (o, t) in out.iter_mut().zip(&self.targets[column * rank..]) {
+                    *o += factor * t;
+                }
+            }
+        }
+    }
 }
 
 impl Patches {
     fn new(surface: &Surface<'_>) -> Self {
         let rank = surface.vertices.nrows().min(MERGE_RANK);
-        let count = surface.triangles.len();
-        let mut groups = Self {
-            rank,
-            points: vec![Matrix4::zeros(); count],
-            targets: vec![vec![0.0; 4 * rank]; count],
-            energy: vec![0.0; count],
-            maps: vec![Vec::new(); count],
-            neighbours: surface.neighbours(),
-            centre: Vec::with_capacity(count),
-        };
-        for (triangle, corners) in surface.triangles.iter().enumerate() {
+        let patch = |(triangle, neighbours): (usize, BTreeSet<u32>)| {
+            let corners = surface.triangles[triangle];
+            let (centre, targets) = (surface.rest[corners[0]], vec![0.0; 4 * rank]);
+            let mut patch = Patch { targets, neighbours, centre, ..Patch::default() };
             let counts = surface.triangle_importance(triangle);
-            for &corner in corners {
+            for corner in corners {
                 let y = &surface.vertices.col_as_slice(corner)[..rank];
-                groups.add_point(triangle, &surface.rest[corner], y, counts);
+                patch.add_point(&surface.rest[corner], y, counts);
             }
             // A fourth point outside the plane makes the map of a flat group unique.
-            let base = surface.rest[corners[0]];
             let normal = surface.rest_normals[triangle];
-            let tip = std::array::from_fn(|axis| base[axis] + normal[axis]);
+            let tip = std::array::from_fn(|axis| centre[axis] + normal[axis]);
             let moved: Vec<f64> = (0..rank)
                 .map(|k| surface.vertices[(k, corners[0])] + surface.normals[(k, triangle)])
                 .collect();
-            groups.add_point(triangle, &tip, &moved, counts);
-            groups.centre.push(base);
-            groups.refit(triangle);
-        }
-        groups
-    }
-
-    fn add_point(&mut self, group: usize, x: &[f64; 3], y: &[f64], counts: f64) {
-        let h = homogeneous(x);
-        self.points[group] += h * h.transpose() * counts;
-        for (row, target) in self.targets[group].chunks_exact_mut(self.rank).enumerate() {
-            for (sum, value) in target.iter_mut().zip(y) {
-                *sum += counts * h[row] * value;
-            }
-        }
-        self.energy[group] += counts * y.iter().map(|v| v * v).sum::<f64>();
-    }
-
-    fn refit(&mut self, group: usize) {
-        let inverse = regular_inverse(&self.points[group]);
-        let targets = &self.targets[group];
-        let mut map = vec![0.0; 4 * self.rank];
-        for row in 0..4 {
-            let out = &mut map[row * self.rank..(row + 1) * self.rank];
-            for column in 0..4 {
-                let factor = inverse[(row, column)];
-                for (o, t) in out.iter_mut().zip(&targets[column * self.rank..]) {
-                    *o += factor * t;
-                }
-            }
-        }
-        self.maps[group] = map;
+            patch.add_point(&tip, &moved, counts);
+            patch.refit();
+            patch
+        };
+        Self(surface.neighbours().into_iter().enumerate().map(patch).collect())
     }
 
     /// Returns Σ |y - T_B x|² over the points of A.
     fn move_error(&self, a: u32, b: u32) -> f64 {
-        let (a, map) = (a as usize, &self.maps[b as usize]);
-        let row = |r: usize| r * self.rank..(r + 1) * self.rank;
-        let mut error = self.energy[a];
+        let (a, map) = (&self.0[a as usize], &self.0[b as usize].map);
+        let rank = map.len() / 4;
+        let row = |r: usize| r * rank..(r + 1) * rank;
+        let mut error = a.energy;
         for r in 0..4 {
             let own = &map[row(r)];
-            error -= 2.0 * dot_by_lanes(own, &self.targets[a][row(r)]);
+            error -= 2.0 * dot_by_lanes(own, &a.targets[row(r)]);
             for c in 0..=r {
                 let twice = if c == r { 1.0 } else { 2.0 };
-                error += twice * self.points[a][(r, c)] * dot_by_lanes(own, &map[row(c)]);
+                error += twice * a.points[(r, c)] * dot_by_lanes(own, &map[row(c)]);
             }
         }
         error.max(0.0)
     }
 
     fn queue_moves_of(&self, a: u32, queue: &mut BinaryHeap<Move>) {
-        for &b in &self.neighbours[a as usize] {
+        for &b in &self.0[a as usize].neighbours {
             queue.push(Move { error: self.move_error(a, b), from: a, into: b });
         }
     }
 
-    fn adjacent(&self, a: u32, b: u32) -> bool {
-        self.neighbours[a as usize].contains(&b)
-    }
-
     /// Merges A into B; returns the neighbours that are new for B.
     fn merge(&mut self, a: u32, b: u32) -> Vec<u32> {
-        let (from, into) = (a as usize, b as usize);
-        let points = std::mem::take(&mut self.points[from]);
-        let targets = std::mem::take(&mut self.targets[from]);
-        self.points[into] += points;
-        for (sum, value) in self.targets[into].iter_mut().zip(&targets) {
+        let from = std::mem::take(&mut self.0[a as usize]);
+        let into = &mut self.0[b as usize];
+        into.points += from.points;
+        for (sum, value) in into.targets.iter_mut().zip(&from.targets) {
             *sum += value;
         }
-        self.energy[into] += self.energy[from];
-        self.maps[from] = Vec::new();
-        self.refit(into);
+        into.energy += from.energy;
+        into.refit();
         let mut fresh = Vec::new();
-        for neighbour in std::mem::take(&mut self.neighbours[from]) {
-            self.neighbours[neighbour as usize].remove(&a);
-            if neighbour != b && self.neighbours[into].insert(neighbour) {
-                self.neighbours[neighbour as usize].insert(b);
+        for neighbour in from.neighbours {
+            self.0[neighbour as usize].neighbours.remove(&a);
+            if neighbour != b && self.0[b as usize].neighbours.insert(neighbour) {
+                self.0[neighbour as usize].neighbours.insert(b);
                 fresh.push(neighbour);
             }
         }
@@ -232,7 +223,7 @@ impl Patches {
 
     /// Lists the groups that are not merged into another.
     fn alive(&self) -> Vec<u32> {
-        (0..self.maps.len() as u32).filter(|&g| !self.maps[g as usize].is_empty()).collect()
+        (0..self.0.len() as u32).filter(|&g| !self.0[g as usize].map.is_empty()).collect()
     }
 
     /// Makes each remaining group a neighbour of the groups nearest to it.
@@ -241,15 +232,15 @@ impl Patches {
         let alive = self.alive();
         for &a in &alive {
             let distance = |b: u32| -> f64 {
-                let (p, q) = (self.centre[a as usize], self.centre[b as usize]);
+                let [p, q] = [a, b].map(|group| self.0[group as usize].centre);
                 (0..3).map(|k| (p[k] - q[k]).powi(2)).sum()
             };
             let mut others: Vec<(f64, u32)> =
                 alive.iter().filter(|&&b| b != a).map(|&b| (distance(b), b)).collect();
             others.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
             for &(_, b) in others.iter().take(NEAREST) {
-                self.neighbours[a as usize].insert(b);
-                self.neighbours[b as usize].insert(a);
+                self.0[a as usize].neighbours.insert(b);
+                self.0[b as usize].neighbours.insert(a);
             }
         }
     }

@@ -26,16 +26,10 @@ impl Poisson {
     /// - A connected part has no vertex in F; see [`floating`].
     /// - The sparse factorisation failed: out of memory, or rounding.
     pub fn new(rest: &[[f64; 3]], triangles: &[[usize; 3]], fixed: &[bool]) -> Result<Self, Error> {
-        let mut count = 0;
-        let unknown: Vec<Option<usize>> = fixed
-            .iter()
-            .map(|&is_fixed| {
-                (!is_fixed).then(|| {
-                    count += 1;
-                    count - 1
-                })
-            })
-            .collect();
+        let mut free = 0..;
+        let number = |&fixed: &bool| if fixed { None } else { free.next() };
+        let unknown: Vec<Option<usize>> = fixed.iter().map(number).collect();
+        let count = unknown.iter().flatten().count();
         if let Some(vertex) = floating(triangles, fixed) {
             return Err(Error::fit(format!(
                 "vertex {vertex} is joined to no near-rigid vertex, so its position is not determined"

@@ -1,11 +1,11 @@
 //! Proxies: P affine maps per pose, and weights of the vertices on the maps (METHOD §1.7.1, S3 §3.1).
 
 use super::merge::{MergeTree, regular_inverse};
-use super::options::{ProxyCount, RotationalOptions};
 use super::surface::Surface;
+use super::{ProxyCount, RotationalOptions};
 use crate::Error;
-use crate::envelope::error::out_of_reach;
-use crate::envelope::lbs::blend::{Alternation, Blend, Items, Maps, Weights};
+use crate::envelope::lbs::blend::{Alternation, Blend, Items, Weights};
+use crate::envelope::out_of_reach;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::columns;
 use crate::progress::Progress;
@@ -33,7 +33,7 @@ pub struct Proxies {
     /// Weights α of each vertex on at most K proxies.
     pub weights: Weights,
     /// Maps T_l on the trajectory basis, r x 4P.
-    pub maps: Maps,
+    pub maps: Mat<f64>,
     /// RMS error over vertices and training frames.
     pub rms: f64,
     /// Tried P, and their errors.
@@ -42,21 +42,16 @@ pub struct Proxies {
 
 impl Proxies {
     /// Returns P.
-    pub fn len(&self) -> usize {
-        self.maps.len()
+    pub(super) fn len(&self) -> usize {
+        self.maps.ncols() / 4
     }
 
-    /// Returns whether there is no proxy.
-    pub fn is_empty(&self) -> bool {
-        self.maps.is_empty()
-    }
-
-    /// Sorts the proxies by dominant joint, ascending; returns the dominant joint of each proxy, P.
+    /// Sorts the proxies by dominant joint, ascending.
     ///
     /// The dominant joint is argmax_j Σ_a α_al w_aj, with LBS weights w (METHOD §1.9).
     ///
     /// - `joints`: LBS weights of the V vertices on the joints.
-    pub fn sort_by_joint(&mut self, joints: &Weights, joint_len: usize) -> Vec<usize> {
+    pub fn sort_by_joint(&mut self, joints: &Weights, joint_len: usize) {
         let mut shares = vec![vec![0.0; joint_len]; self.len()];
         for vertex in 0..joints.len() {
             for (l, alpha) in self.weights.of(vertex) {
@@ -71,11 +66,8 @@ impl Proxies {
         order.sort_by_key(|&l| dominant[l]);
         let mut rank = vec![0; order.len()];
         order.iter().enumerate().for_each(|(k, &l)| rank[l] = k);
-        let renumbered = (0..self.weights.len())
-            .map(|item| self.weights.of(item).map(|(l, alpha)| (rank[l], alpha)).collect());
-        self.weights = Weights::from_lists(self.weights.most(), renumbered);
-        self.maps.columns = columns::some(&self.maps.columns, &columns::of_maps(&order));
-        order.into_iter().map(|l| dominant[l]).collect()
+        self.weights = self.weights.renumbered(|l| rank[l]);
+        self.maps = columns::some(&self.maps, &columns::of_maps(&order));
     }
 }
 
@@ -127,13 +119,13 @@ fn joint_start(
     tree: &MergeTree,
     joints: &Mat<f64>,
     proxies: usize,
-) -> Option<Maps> {
+) -> Option<Mat<f64>> {
     let group_len = (4 * proxies).checked_sub(joints.ncols()).filter(|_| joints.ncols() > 0)? / 4;
     let groups = match group_len {
         0 => Mat::zeros(joints.nrows(), 0),
-        _ => group_maps(surface, &tree.cut(group_len)).columns,
+        _ => group_maps(surface, &tree.cut(group_len)),
     };
-    Some(Maps { width: 4, columns: faer::concat![[joints, groups]] })
+    Some(faer::concat![[joints, groups]])
 }
 
 /// Finds the smallest P within an error: doubles P until the error is reached, then bisects.
@@ -164,8 +156,8 @@ fn fewest(
     Ok(found)
 }
 
-/// Fits an affine map to each group of triangles: to their corners, and to points along their normals.
-pub(super) fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
+/// Fits an affine map to each of l groups of triangles, r x 4l: to their corners, and to points along their normals.
+pub(super) fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Mat<f64> {
     let count = group_of.iter().max().map_or(0, |&g| g + 1);
     let rank = surface.vertices.nrows();
     let mut points = vec![nalgebra::Matrix4::<f64>::zeros(); count];
@@ -196,7 +188,7 @@ pub(super) fn group_maps(surface: &Surface<'_>, group_of: &[usize]) -> Maps {
         let inverse = Mat::from_fn(4, 4, |r, c| inverse[(r, c)]);
         columns.subcols_mut(4 * group, 4).copy_from(targets.subcols(4 * group, 4) * inverse);
     }
-    Maps { width: 4, columns }
+    columns
 }
 
 #[cfg(test)]
@@ -228,7 +220,7 @@ mod tests {
         assert!(found.trials.len() > 2);
 
         // The error in coordinates equals the error of the skinned vertices.
-        let maps = &basis.vectors * &found.maps.columns;
+        let maps = &basis.vectors * &found.maps;
         let targets = Targets {
             rest: &rest,
             weights: &found.weights,

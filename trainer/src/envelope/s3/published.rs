@@ -18,16 +18,17 @@
 
 use super::keys::GradientPredictor;
 use super::merge::MergeTree;
-use super::options::{ProxyCount, RotationalOptions};
 use super::proxies::{CountTrial, Proxies, group_maps};
 use super::reduce::{Anchors, Reduced};
 use super::surface::Surface;
 use super::validation::Setting;
+use super::{ProxyCount, RotationalOptions};
 use crate::Error;
-use crate::envelope::error::out_of_reach;
-use crate::envelope::lbs::blend::{Blend, InTurn, Items, Maps, Supports, Weights};
+use crate::envelope::lbs::blend::{Blend, InTurn, Items, Supports, Weights};
 use crate::envelope::model::{Key, Reconstruction};
+use crate::envelope::out_of_reach;
 use crate::numeric::affine::homogeneous;
+use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix6};
@@ -82,7 +83,11 @@ pub fn fit_proxies(
 ) -> Result<Proxies, Error> {
     let all = surface.triangles.len();
     let max = all.min(options.method.proxies_max());
-    let from = |groups: usize| Groups::new(surface, tree.cut(groups), options.influences, progress);
+    let from = |groups: usize| {
+        let group_of = tree.cut(groups);
+        let maps = group_maps(surface, &group_of);
+        Groups::new(surface, group_of, options.influences, maps, progress)
+    };
     let (mut groups, min, limit) = match options.proxies {
         ProxyCount::Fixed(proxies) => {
             let proxies = proxies.clamp(1, max);
@@ -161,17 +166,7 @@ impl<'a> Groups<'a> {
         surface: &'a Surface<'a>,
         group_of: Vec<usize>,
         influences: usize,
-        progress: &dyn Progress,
-    ) -> Self {
-        let maps = group_maps(surface, &group_of);
-        Self::fitted(surface, group_of, influences, maps, progress)
-    }
-
-    fn fitted(
-        surface: &'a Surface<'a>,
-        group_of: Vec<usize>,
-        influences: usize,
-        maps: Maps,
+        maps: Mat<f64>,
         progress: &dyn Progress,
     ) -> Self {
         let items = Items::vertices(surface.rest, surface.vertices, surface.importance);
@@ -183,7 +178,7 @@ impl<'a> Groups<'a> {
     }
 
     fn len(&self) -> usize {
-        self.blend.maps.len()
+        self.blend.maps.ncols() / 4
     }
 
     /// Merges group A into B, then fits all weights and maps again. The maps of the other groups are the start.
@@ -191,13 +186,9 @@ impl<'a> Groups<'a> {
         let number = |group: usize| if group > a { group - 1 } else { group };
         let group_of =
             self.group_of.iter().map(|&group| number(if group == a { b } else { group })).collect();
-        let Maps { width, columns } = &self.blend.maps;
-        let old = |column: usize| if column < width * a { column } else { column + width };
-        let columns = Mat::from_fn(columns.nrows(), columns.ncols() - width, |row, column| {
-            columns[(row, old(column))]
-        });
-        let maps = Maps { width: *width, columns };
-        Self::fitted(self.surface, group_of, self.influences, maps, progress)
+        let kept: Vec<usize> = (0..self.len()).filter(|&group| group != a).collect();
+        let maps = columns::some(&self.blend.maps, &columns::of_maps(&kept));
+        Self::new(self.surface, group_of, self.influences, maps, progress)
     }
 
     /// Finds the merge A → B with the smallest `E_{A→B} = Σ_{a∈A} |y_a - T_B x̂_a|²` among groups that share an edge.
@@ -229,7 +220,7 @@ impl<'a> Groups<'a> {
     /// Returns the squared error of a vertex that follows only one group's map, times its weight.
     fn squared_error(&self, vertex: usize, group: usize) -> f64 {
         let h = homogeneous(&self.surface.rest[vertex]);
-        let column = |c: usize| self.blend.maps.columns.col_as_slice(4 * group + c);
+        let column = |c: usize| self.blend.maps.col_as_slice(4 * group + c);
         let [x, y, z, one] = [0, 1, 2, 3].map(column);
         let truth = self.surface.vertices.col_as_slice(vertex);
         let left = |k: usize| truth[k] - h[0] * x[k] - h[1] * y[k] - h[2] * z[k] - h[3] * one[k];

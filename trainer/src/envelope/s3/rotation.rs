@@ -1,19 +1,13 @@
 //! Rotational regression: `ρ = u W θ_b` in the frame of b's parent (METHOD §1.4, S3 §1.2). Chooses the joint b that a
 //! key follows and, if it lowers the error, a residual joint c.
 
+use super::Method;
 use crate::envelope::lbs::poses::Poses;
+use crate::envelope::model::Key;
 use crate::numeric::so3;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use serde::Serialize;
 use std::f64::consts::PI;
-
-/// Solver for W and u.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Solver {
-    /// The global optimum over both signs of u. Prefers W near I if the axes do not determine W.
-    ClosedForm,
-    /// Coordinate descent of S3 from the start of S3; finds only u ≥ 0.
-    Alternation,
-}
 
 /// Maximum number of rounds in which ρ may change its representative (the branch at π).
 const BRANCH_ROUNDS: usize = 3;
@@ -38,64 +32,51 @@ pub struct Twist {
     pub error: f64,
 }
 
-/// The rotation predictor of one sequence: `R = Q_p exp(u W θ_b) [exp(u' W' θ_c)]`.
-#[derive(Clone, Debug)]
-pub struct RotationPredictor {
-    /// b.
+/// Joints of a key, and the errors of all joints in their places.
+#[derive(Clone, Debug, Serialize)]
+pub struct KeyChoice {
+    /// b, the joint that the key follows.
     pub joint: usize,
-    /// u W.
-    pub twist: Matrix3<f64>,
-    /// c and u' W'.
-    pub residual: Option<(usize, Matrix3<f64>)>,
+    /// c.
+    pub residual_joint: Option<usize>,
     /// Σ|R - R_pred|² of each joint as b, J.
     pub errors: Vec<f64>,
     /// Σ|R - R_pred|² of each joint as c, J; the entry of b is the error without c.
     pub residual_errors: Vec<f64>,
 }
 
-impl RotationPredictor {
-    /// Fits the joint, its twist and, if it lowers the error, a residual joint. Tries every joint.
-    ///
-    /// - `rotations`: relative to the root, one per pose.
-    pub fn fit(poses: &Poses, rotations: &[Matrix3<f64>], solver: Solver) -> Self {
-        let joints = 0..poses.joint_len();
-        let (twists, errors): (Vec<_>, Vec<_>) = joints
-            .clone()
-            .map(|b| {
-                let bases = (0..poses.len()).map(|i| *poses.parent_rotation(i, b));
-                candidate(poses, b, bases, rotations, solver)
-            })
-            .unzip();
-        let joint = least(&errors);
-        let mut fitted = Self {
-            joint,
-            twist: twists.get(joint).copied().unwrap_or_default(),
-            residual: None,
-            residual_errors: vec![errors.get(joint).copied().unwrap_or_default(); errors.len()],
-            errors,
-        };
-        let predicted: Vec<_> = (0..poses.len()).map(|i| fitted.predict(poses, i)).collect();
-        let mut twists = vec![Matrix3::zeros(); poses.joint_len()];
-        for c in joints.filter(|&c| c != joint) {
-            let start = predicted.iter().copied();
-            (twists[c], fitted.residual_errors[c]) = candidate(poses, c, start, rotations, solver);
-        }
-        let c = least(&fitted.residual_errors);
-        if c != joint && fitted.residual_errors[c] < RESIDUAL_GAIN * fitted.errors[joint] {
-            fitted.residual = Some((c, twists[c]));
-        }
-        fitted
+/// Fits the rotation `R = Q_p exp(u W θ_b) [exp(u' W' θ_c)]` of a key: the joint, its twist and, if it lowers the error,
+/// a residual joint. Tries every joint. Returns the key without shear.
+///
+/// A published fit finds W and u by coordinate descent from the start of S3, which reaches only u ≥ 0. Other fits find
+/// the global optimum over both signs of u, and prefer W near I if the axes do not determine W.
+///
+/// - `rotations`: relative to the root, one per pose.
+pub fn fit(poses: &Poses, rotations: &[Matrix3<f64>], method: Method) -> (Key, KeyChoice) {
+    let joints = 0..poses.joint_len();
+    let (mut twists, errors): (Vec<_>, Vec<_>) = joints
+        .clone()
+        .map(|b| {
+            let bases = (0..poses.len()).map(|i| *poses.parent_rotation(i, b));
+            candidate(poses, b, bases, rotations, method)
+        })
+        .unzip();
+    let joint = least(&errors);
+    let twist = twists[joint];
+    let turn = |pose| so3::exp(&(twist * poses.angle(pose, joint)));
+    let predicted = (0..poses.len()).map(|i| poses.parent_rotation(i, joint) * turn(i));
+    let predicted: Vec<_> = predicted.collect();
+    let mut residual_errors = vec![errors[joint]; errors.len()];
+    for c in joints.filter(|&c| c != joint) {
+        let start = predicted.iter().copied();
+        (twists[c], residual_errors[c]) = candidate(poses, c, start, rotations, method);
     }
-
-    /// Predicts the rotation of a pose, relative to the root.
-    pub fn predict(&self, poses: &Poses, pose: usize) -> Matrix3<f64> {
-        let turn = so3::exp(&(self.twist * poses.angle(pose, self.joint)));
-        let rotation = poses.parent_rotation(pose, self.joint) * turn;
-        match &self.residual {
-            Some((joint, twist)) => rotation * so3::exp(&(twist * poses.angle(pose, *joint))),
-            None => rotation,
-        }
-    }
+    let c = least(&residual_errors);
+    let is_better = c != joint && residual_errors[c] < RESIDUAL_GAIN * errors[joint];
+    let residual = is_better.then(|| (c, twists[c]));
+    let residual_joint = is_better.then_some(c);
+    let key = Key { joint, twist, residual, shear: Matrix6::zeros() };
+    (key, KeyChoice { joint, residual_joint, errors, residual_errors })
 }
 
 /// Returns the index of the smallest error.
@@ -110,12 +91,12 @@ fn candidate(
     joint: usize,
     bases: impl Iterator<Item = Matrix3<f64>> + Clone,
     rotations: &[Matrix3<f64>],
-    solver: Solver,
+    method: Method,
 ) -> (Matrix3<f64>, f64) {
     let theta: Vec<_> = (0..poses.len()).map(|i| *poses.angle(i, joint)).collect();
     let mut rho: Vec<_> =
         bases.clone().zip(rotations).map(|(base, r)| so3::log(&(base.transpose() * r))).collect();
-    let fit = fit_twist(&theta, &mut rho, solver);
+    let fit = fit_twist(&theta, &mut rho, method);
     let twist = fit.w * fit.u;
     let error = bases
         .zip(rotations)
@@ -128,19 +109,17 @@ fn candidate(
 /// Fits `ρ = u W θ`. For each ρ, the representative nearest to the prediction is chosen.
 ///
 /// - `theta`, `rho`: radians, one per pose. `rho` receives the chosen representatives.
-pub fn fit_twist(theta: &[Vector3<f64>], rho: &mut [Vector3<f64>], solver: Solver) -> Twist {
+pub fn fit_twist(theta: &[Vector3<f64>], rho: &mut [Vector3<f64>], method: Method) -> Twist {
     let fit = |rho: &[Vector3<f64>]| {
         let moments = Moments::new(theta, rho);
         if moments.theta <= f64::MIN_POSITIVE || moments.rho <= f64::MIN_POSITIVE {
             return moments.zero();
         }
-        match solver {
-            Solver::ClosedForm => moments.closed_form(),
-            Solver::Alternation => {
-                let lengths: f64 = theta.iter().zip(rho).map(|(t, r)| t.norm() * r.norm()).sum();
-                moments.alternation(lengths / moments.theta)
-            }
+        if method != Method::Published {
+            return moments.closed_form();
         }
+        let lengths: f64 = theta.iter().zip(rho).map(|(t, r)| t.norm() * r.norm()).sum();
+        moments.alternation(lengths / moments.theta)
     };
     let mut twist = fit(rho);
     for _ in 0..BRANCH_ROUNDS {
@@ -246,7 +225,7 @@ mod tests {
         let axis = so3::exp(&Vector3::new(0.3, -0.2, 0.5));
         for u in [0.5, 1.0, -0.7] {
             let mut rho: Vec<_> = theta.iter().map(|t| axis * t * u).collect();
-            let fit = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+            let fit = fit_twist(&theta, &mut rho, Method::Refined);
             assert!((fit.u - u).abs() < 2e-3 && (fit.w - axis).amax() < 2e-3, "u {u}: {fit:?}");
         }
     }
@@ -255,7 +234,7 @@ mod tests {
     fn a_hinge_keeps_w_near_the_identity() {
         let theta: Vec<_> = (1..20).map(|i| Vector3::new(0.0, 0.0, 0.1 * f64::from(i))).collect();
         let mut rho: Vec<_> = theta.iter().map(|t| t * 0.5).collect();
-        let fit = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+        let fit = fit_twist(&theta, &mut rho, Method::Refined);
         assert!((fit.u - 0.5).abs() < 1e-12 && (fit.w - Matrix3::identity()).amax() < 1e-12);
     }
 
@@ -263,11 +242,11 @@ mod tests {
     fn a_counter_rotation_has_negative_u_only_if_it_lowers_the_error() {
         let theta = seeded(40, 2);
         let mut rho: Vec<_> = theta.iter().map(|t| -t * 0.4).collect();
-        assert!(fit_twist(&theta, &mut rho, Solver::ClosedForm).u < 0.0);
-        assert!(fit_twist(&theta, &mut rho, Solver::Alternation).u >= 0.0);
+        assert!(fit_twist(&theta, &mut rho, Method::Refined).u < 0.0);
+        assert!(fit_twist(&theta, &mut rho, Method::Published).u >= 0.0);
         let hinge: Vec<_> = (1..20).map(|i| Vector3::new(0.0, 0.0, 0.1 * f64::from(i))).collect();
         let mut against: Vec<_> = hinge.iter().map(|t| -t * 0.4).collect();
-        let fit = fit_twist(&hinge, &mut against, Solver::ClosedForm);
+        let fit = fit_twist(&hinge, &mut against, Method::Refined);
         assert!(fit.error < 1e-12, "a counter rotation of a hinge is exact with either sign");
     }
 
@@ -275,7 +254,7 @@ mod tests {
     fn no_rotation_gives_no_twist() {
         let still = vec![Vector3::zeros(); 5];
         let mut rho = seeded(5, 3);
-        let fit = fit_twist(&still, &mut rho, Solver::ClosedForm);
+        let fit = fit_twist(&still, &mut rho, Method::Refined);
         assert!(fit.u == 0.0 && fit.w == Matrix3::identity());
     }
 
@@ -284,8 +263,8 @@ mod tests {
         for seed in 0..200 {
             let theta = seeded(12, 100 + seed);
             let mut rho = seeded(12, 900 + seed);
-            let alternated = fit_twist(&theta, &mut rho.clone(), Solver::Alternation);
-            let closed = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+            let alternated = fit_twist(&theta, &mut rho.clone(), Method::Published);
+            let closed = fit_twist(&theta, &mut rho, Method::Refined);
             // The preference for W near I costs at most its square, as a share of the error.
             let slack = 1e-5 * rho.iter().map(Vector3::norm_squared).sum::<f64>();
             assert!(closed.error <= alternated.error + slack, "seed {seed}");
@@ -296,7 +275,7 @@ mod tests {
     fn the_branch_at_pi_is_crossed() {
         let theta: Vec<_> = (0..24).map(|i| Vector3::new(0.1 * f64::from(i), 0.0, 0.0)).collect();
         let mut rho: Vec<_> = theta.iter().map(|t| so3::log(&so3::exp(&(t * 1.5)))).collect();
-        let fit = fit_twist(&theta, &mut rho, Solver::ClosedForm);
+        let fit = fit_twist(&theta, &mut rho, Method::Refined);
         assert!((fit.u - 1.5).abs() < 1e-9 && fit.error < 1e-9, "{fit:?}");
     }
 }

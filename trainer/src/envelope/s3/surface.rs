@@ -62,12 +62,6 @@ impl<'a> Surface<'a> {
         self.triangles[triangle].map(|vertex| self.importance.of(vertex)).iter().sum::<f64>() / 3.0
     }
 
-    /// Returns the rest edges v̂_k2 and v̂_k3 of a triangle.
-    pub fn rest_edges(&self, triangle: usize) -> [Vector3<f64>; 2] {
-        let [a, b, c] = self.triangles[triangle].map(|v| Vector3::from(self.rest[v]));
-        [b - a, c - a]
-    }
-
     /// Returns the triangles that share an edge with each triangle.
     pub fn neighbours(&self) -> Vec<BTreeSet<u32>> {
         let mut of_edge = BTreeMap::<(usize, usize), Vec<u32>>::new();

@@ -27,10 +27,13 @@ const START: Anchors = Anchors { near_rigid: 10.0, patch: 1e-4 };
 /// Candidate ridges of the refinement, the largest first.
 const RIDGES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 
-/// Cross-validation of key predictors: each fold is predicted by fits without the fold.
+/// Key predictors of one kind, with or without scale and shear, and their cross-validation: each fold is predicted by
+/// fits without the fold.
 pub struct Validation<'a> {
     projection: &'a Projection,
     poses: &'a Poses,
+    /// Predictors fitted to all training poses, P.
+    pub predictors: Vec<GradientPredictor>,
     folds: Vec<FoldPrediction>,
 }
 
@@ -50,10 +53,10 @@ impl FoldPrediction {
 }
 
 impl<'a> Validation<'a> {
-    /// Fits the predictors of P key sequences once per fold.
+    /// Fits the predictors of P key sequences to all poses, and once per fold.
     ///
     /// - `sequences`: gradients of each key in the n poses.
-    /// - `predictor`: fits a predictor to the remaining poses and the sequence in these poses.
+    /// - `predictor`: fits a predictor to some poses and the sequence in these poses.
     pub fn new(
         projection: &'a Projection,
         poses: &'a Poses,
@@ -61,6 +64,8 @@ impl<'a> Validation<'a> {
         predictor: &(impl Fn(&Poses, &[Matrix3<f64>]) -> GradientPredictor + Sync),
         progress: &dyn Progress,
     ) -> Self {
+        progress.step("key predictors", 1);
+        let predictors = sequences.par_iter().map(|d| predictor(poses, d)).collect();
         let folds = Folds::new(poses).runs().to_vec();
         progress.step("cross-validation", folds.len() * sequences.len());
         let folds = folds
@@ -79,68 +84,38 @@ impl<'a> Validation<'a> {
                 FoldPrediction::new(fold, predictors, poses)
             })
             .collect();
-        Self { projection, poses, folds }
+        Self { projection, poses, predictors, folds }
     }
 
-    /// Returns this cross-validation with predictors without scale and shear.
+    /// Returns these predictors without scale and shear.
     #[must_use]
     pub fn without_shear(&self) -> Self {
-        let of = |of: &FoldPrediction| {
-            let rigid = of.predictors.iter().map(GradientPredictor::without_shear).collect();
-            FoldPrediction::new(of.fold.clone(), rigid, self.poses)
+        let rigid = |predictors: &[GradientPredictor]| -> Vec<_> {
+            predictors.iter().map(GradientPredictor::without_shear).collect()
         };
-        Self { folds: self.folds.par_iter().map(of).collect(), ..*self }
+        let of = |of: &FoldPrediction| {
+            FoldPrediction::new(of.fold.clone(), rigid(&of.predictors), self.poses)
+        };
+        Self {
+            predictors: rigid(&self.predictors),
+            folds: self.folds.par_iter().map(of).collect(),
+            ..*self
+        }
     }
 
-    /// Returns the RMS error of the poses, each predicted by a fit without its fold.
+    /// Computes the maps of all poses, 3n x 4P; each pose is predicted by a fit without its fold.
+    pub fn unrefined(&self, reduced: &Reduced) -> Mat<f64> {
+        let of = |of: &FoldPrediction| reduced.palette(&of.predicted, self.poses);
+        self.join(self.folds.par_iter().map(of).collect())
+    }
+
+    /// Returns the RMS error of [`Validation::unrefined`].
     pub fn score(&self, reduced: &Reduced) -> f64 {
-        self.score_maps(&self.unrefined(reduced))
+        self.projection.rms(&self.unrefined(reduced))
     }
 
-    /// Returns the RMS error after refinement. Each pose is refined and predicted by fits without its fold.
-    ///
-    /// - `regressions`: one per fold, as [`Self::regressions`] returns them.
-    /// - `ridge`: per equation.
-    pub fn score_refined(&self, reduced: &Reduced, regressions: &[Regression], ridge: f64) -> f64 {
-        self.score_maps(&self.refined(reduced, regressions, ridge))
-    }
-
-    /// Computes the maps of all poses without each fold: one matrix per fold, 3n x 4P.
-    pub fn unrefined(&self, reduced: &Reduced) -> Vec<Mat<f64>> {
-        self.folds.par_iter().map(|fold| reduced.palette(&fold.predicted, self.poses)).collect()
-    }
-
-    /// Computes the refined maps of all poses without each fold: one matrix per fold, 3n x 4P.
-    pub fn refined(
-        &self,
-        reduced: &Reduced,
-        regressions: &[Regression],
-        ridge: f64,
-    ) -> Vec<Mat<f64>> {
-        let of = |(fold, regression): (&FoldPrediction, &Regression)| {
-            regression.refine(reduced, ridge).palette(&fold.predicted, self.poses)
-        };
-        self.folds.par_iter().zip(regressions).map(of).collect()
-    }
-
-    /// Sums the regressions that refine a reconstruction: one per fold, over the poses outside the fold.
-    pub fn regressions(&self, reduced: &Reduced) -> Vec<Regression> {
-        let of = |of: &FoldPrediction| {
-            let FoldPrediction { fold, predicted, .. } = of;
-            let residual = self.projection.residual(&reduced.palette(predicted, self.poses));
-            let mut out: Vec<usize> = fold.out().collect();
-            out.sort_unstable();
-            Regression::new(predicted, self.poses, &residual, &out)
-        };
-        self.folds.par_iter().map(of).collect()
-    }
-
-    fn score_maps(&self, maps: &[Mat<f64>]) -> f64 {
-        self.projection.rms(&self.join(maps))
-    }
-
-    /// Joins the maps of the folds, 3n x 4P: a pose's rows come from the fit without its fold.
-    pub fn join(&self, maps: &[Mat<f64>]) -> Mat<f64> {
+    /// Joins the maps of the folds, each 3n x 4P: a pose's rows come from the fit without its fold.
+    fn join(&self, maps: Vec<Mat<f64>>) -> Mat<f64> {
         let columns = maps.first().map_or(0, Mat::ncols);
         let mut joined = Mat::zeros(3 * self.poses.len(), columns);
         for (FoldPrediction { fold, .. }, maps) in self.folds.iter().zip(maps) {
@@ -170,43 +145,51 @@ pub struct SettingTrial {
     pub rms: Option<f64>,
 }
 
-/// Inputs of the choice of F, γ and μ.
-pub struct Candidates<'a> {
-    /// Reduction; each candidate replaces F and the anchors.
-    pub reduction: Reduction<'a>,
-    /// Squared LBS error of each vertex, V.
-    pub lbs_errors: &'a [f64],
-    /// Scores the candidates.
-    pub validation: &'a Validation<'a>,
-}
-
-impl Candidates<'_> {
-    /// Tries fractions of F, then γ, then μ; returns the best candidate and all trials in order.
-    ///
-    /// # Errors
-    /// The system of every candidate is singular.
-    pub fn choose(&self, progress: &dyn Progress) -> Result<(Setting, Vec<SettingTrial>), Error> {
-        progress.step("near-rigid vertices", FRACTIONS.len() + NEAR_RIGID.len() + PATCH.len());
-        let mut search = Sweep { candidates: self, trials: Vec::new(), best: None, progress };
-        for near_rigid_fraction in FRACTIONS {
-            search.attempt(Setting { near_rigid_fraction, anchors: START });
+/// Tries fractions of F, then γ, then μ; returns the best candidate and all trials in order.
+///
+/// - `reduction`: each candidate replaces its F and anchors.
+/// - `lbs_errors`: squared LBS error of each vertex, V.
+///
+/// # Errors
+/// The system of every candidate is singular.
+pub fn choose_setting(
+    reduction: Reduction<'_>,
+    lbs_errors: &[f64],
+    validation: &Validation<'_>,
+    progress: &dyn Progress,
+) -> Result<(Setting, Vec<SettingTrial>), Error> {
+    progress.step("near-rigid vertices", FRACTIONS.len() + NEAR_RIGID.len() + PATCH.len());
+    let mut trials = Vec::<SettingTrial>::new();
+    let mut least = None::<(Setting, f64)>;
+    // Returns the best candidate so far; `None` if all systems are singular.
+    let mut attempt = |choice: Setting| {
+        progress.advance(1);
+        if trials.iter().all(|trial| trial.choice != choice) {
+            let fixed = near_rigid(lbs_errors, choice.near_rigid_fraction);
+            let anchors = Some(choice.anchors);
+            let reduced = Reduction { fixed: &fixed, anchors, ..reduction }.run();
+            let rms = reduced.map(|reduced| validation.score(&reduced));
+            trials.push(SettingTrial { choice, rms });
+            if let Some(rms) = rms.filter(|rms| least.is_none_or(|least| *rms < least.1)) {
+                least = Some((choice, rms));
+            }
         }
-        for near_rigid in NEAR_RIGID {
-            let best = search.best()?;
-            search.attempt(Setting { anchors: Anchors { near_rigid, ..best.anchors }, ..best });
-        }
-        for patch in PATCH {
-            let best = search.best()?;
-            search.attempt(Setting { anchors: Anchors { patch, ..best.anchors }, ..best });
-        }
-        Ok((search.best()?, search.trials))
+        least.map(|least| least.0)
+    };
+    let mut best = None;
+    for near_rigid_fraction in FRACTIONS {
+        best = attempt(Setting { near_rigid_fraction, anchors: START });
     }
-
-    /// Reduces the reconstruction with the F and the anchors of a candidate; `None` if the system is singular.
-    pub fn reduce(&self, choice: &Setting) -> Option<Reduced> {
-        let fixed = near_rigid(self.lbs_errors, choice.near_rigid_fraction);
-        Reduction { fixed: &fixed, anchors: Some(choice.anchors), ..self.reduction }.run()
+    let mut best = best.ok_or_else(singular)?;
+    for near_rigid in NEAR_RIGID {
+        let anchors = Anchors { near_rigid, ..best.anchors };
+        best = attempt(Setting { anchors, ..best }).unwrap_or(best);
     }
+    for patch in PATCH {
+        let anchors = Anchors { patch, ..best.anchors };
+        best = attempt(Setting { anchors, ..best }).unwrap_or(best);
+    }
+    Ok((best, trials))
 }
 
 /// Returns the error of a fit whose every candidate gives a singular system.
@@ -224,34 +207,6 @@ pub fn near_rigid(lbs_errors: &[f64], fraction: f64) -> Vec<bool> {
         fixed[vertex] = true;
     }
     fixed
-}
-
-/// Search for F, γ and μ.
-struct Sweep<'a> {
-    candidates: &'a Candidates<'a>,
-    trials: Vec<SettingTrial>,
-    /// Best candidate so far, and its error.
-    best: Option<(Setting, f64)>,
-    progress: &'a dyn Progress,
-}
-
-impl Sweep<'_> {
-    fn attempt(&mut self, choice: Setting) {
-        self.progress.advance(1);
-        if self.trials.iter().any(|trial| trial.choice == choice) {
-            return;
-        }
-        let reduced = self.candidates.reduce(&choice);
-        let rms = reduced.map(|reduced| self.candidates.validation.score(&reduced));
-        self.trials.push(SettingTrial { choice, rms });
-        if let Some(rms) = rms.filter(|rms| self.best.is_none_or(|best| *rms < best.1)) {
-            self.best = Some((choice, rms));
-        }
-    }
-
-    fn best(&self) -> Result<Setting, Error> {
-        self.best.map(|best| best.0).ok_or_else(singular)
-    }
 }
 
 /// A candidate refinement.
@@ -272,30 +227,11 @@ pub struct RefinementTrial {
     pub rms: f64,
 }
 
-/// Predictors of one kind: with or without scale and shear.
-pub struct Keyed<'a> {
-    /// Predictors fitted to all training poses, P.
-    pub predictors: Vec<GradientPredictor>,
-    /// Predictors fitted without each fold.
-    pub validation: Validation<'a>,
-}
-
-impl Keyed<'_> {
-    /// Returns these predictors without scale and shear.
-    #[must_use]
-    pub fn without_shear(&self) -> Self {
-        Self {
-            predictors: self.predictors.iter().map(GradientPredictor::without_shear).collect(),
-            validation: self.validation.without_shear(),
-        }
-    }
-}
-
 /// A reconstruction by predictors of one kind, and the regressions that refine it.
 pub struct Refining<'a> {
     unrefined: &'a Reduced,
     /// The predictors.
-    pub keyed: &'a Keyed<'a>,
+    pub keyed: &'a Validation<'a>,
     /// Regression over all training poses.
     trained: Regression,
     /// Regressions over the poses outside each fold.
@@ -304,20 +240,19 @@ pub struct Refining<'a> {
 
 impl<'a> Refining<'a> {
     /// Sums the regressions that refine a reconstruction.
-    pub fn new(
-        unrefined: &'a Reduced,
-        keyed: &'a Keyed<'a>,
-        poses: &Poses,
-        projection: &Projection,
-    ) -> Self {
-        let gradients = predict_stacked(&keyed.predictors, poses);
-        let residual = projection.residual(&unrefined.palette(&gradients, poses));
-        Self {
-            trained: Regression::new(&gradients, poses, &residual, &[]),
-            folds: keyed.validation.regressions(unrefined),
-            unrefined,
-            keyed,
-        }
+    pub fn new(unrefined: &'a Reduced, keyed: &'a Validation<'a>) -> Self {
+        let Validation { projection, poses, predictors, folds } = keyed;
+        let regression = |gradients: &Mat<f64>, out: &[usize]| {
+            let residual = projection.residual(&unrefined.palette(gradients, poses));
+            Regression::new(gradients, poses, &residual, out)
+        };
+        let of_fold = |of: &FoldPrediction| {
+            let mut out: Vec<usize> = of.fold.out().collect();
+            out.sort_unstable();
+            regression(&of.predicted, &out)
+        };
+        let trained = regression(&predict_stacked(predictors, poses), &[]);
+        Self { unrefined, keyed, trained, folds: folds.par_iter().map(of_fold).collect() }
     }
 
     /// Returns c1 and c2 after a refinement.
@@ -325,14 +260,19 @@ impl<'a> Refining<'a> {
         self.trained.refine(self.unrefined, choice.ridge)
     }
 
-    /// Computes the refined maps of all poses without each fold: one matrix per fold, 3n x 4P.
-    pub fn maps_of_folds(&self, choice: &Refinement) -> Vec<Mat<f64>> {
-        self.keyed.validation.refined(self.unrefined, &self.folds, choice.ridge)
+    /// Computes the refined maps of all poses, 3n x 4P; each pose is refined and predicted by fits without its fold.
+    pub fn validated(&self, choice: &Refinement) -> Mat<f64> {
+        let Validation { poses, folds, .. } = self.keyed;
+        let of = |(fold, regression): (&FoldPrediction, &Regression)| {
+            regression.refine(self.unrefined, choice.ridge).palette(&fold.predicted, poses)
+        };
+        self.keyed.join(folds.par_iter().zip(&self.folds).map(of).collect())
     }
 
     fn attempt(&self, ridge: f64, shear: bool) -> RefinementTrial {
-        let rms = self.keyed.validation.score_refined(self.unrefined, &self.folds, ridge);
-        RefinementTrial { choice: Some(Refinement { ridge, shear }), rms }
+        let choice = Refinement { ridge, shear };
+        let rms = self.keyed.projection.rms(&self.validated(&choice));
+        RefinementTrial { choice: Some(choice), rms }
     }
 }
 
@@ -342,7 +282,7 @@ pub fn choose_refinement(
     shearing: &Refining<'_>,
     rigid: &Refining<'_>,
 ) -> (Option<Refinement>, Vec<RefinementTrial>) {
-    let rms = shearing.keyed.validation.score(shearing.unrefined);
+    let rms = shearing.keyed.score(shearing.unrefined);
     let mut trials = vec![RefinementTrial { choice: None, rms }];
     for ridge in RIDGES {
         trials.extend([shearing.attempt(ridge, true), rigid.attempt(ridge, false)]);

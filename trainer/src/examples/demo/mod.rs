@@ -10,9 +10,9 @@ mod shape;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use sinew_runtime::format::Space;
 
-use crate::examples::{Examples, Matrix3x4, Skeleton, Split};
+use crate::examples::data::translation;
+use crate::examples::{Examples, Skeleton, Split};
 use crate::mesh::EngineMesh;
 use motion::{Flesh, MotionClip, Pose};
 use shape::Skin;
@@ -61,13 +61,8 @@ pub fn demo(options: &DemoOptions) -> Examples {
         vertices,
         transforms: frames.iter().flat_map(|(_, pose)| pose.maps()).collect(),
         split: frames.iter().map(|(split, _)| *split).collect(),
-        ranges: Vec::new(),
         clip_starts: vec![0],
-        space: Space::default(),
-        joint_weights: None,
-        importance: None,
-        frame_weights: None,
-        own_skin: false,
+        ..Examples::default()
     }
 }
 
@@ -79,15 +74,11 @@ fn single(position: Vector3<f64>) -> [f64; 3] {
 
 /// Returns the skeleton, parents before children.
 fn skeleton() -> Skeleton {
-    let frame = |[x, y, z]: [f64; 3]| -> Matrix3x4 {
-        [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
-    };
     Skeleton {
         names: shape::JOINTS.iter().map(|&name| name.to_owned()).collect(),
         parents: (0..shape::JOINTS.len()).map(|joint| joint.checked_sub(1)).collect(),
-        rest: shape::origins().iter().map(|&origin| frame(origin.into())).collect(),
-        roots: Vec::new(),
-        unplaced: Vec::new(),
+        rest: shape::origins().iter().map(|&origin| translation(origin.into())).collect(),
+        ..Skeleton::default()
     }
 }
 

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::shape::above;
 use super::*;
+use crate::examples::Matrix3x4;
 
 fn small() -> DemoOptions {
     DemoOptions { vertices: 500, poses: 24, held_out: 8, seed: 1 }

@@ -2,14 +2,11 @@
 //! scaled. A rest mesh may also be translated.
 
 use crate::Error;
-use crate::examples::data::spread;
 use crate::examples::validate::same;
-use crate::examples::{Examples, Matrix3x4, Skeleton, Warning};
+use crate::examples::{Examples, Matrix3x4, Warning, diagonal, spread};
 use crate::mesh::EngineMesh;
-use crate::numeric::affine::apart_unordered;
-use crate::numeric::affine::{joined, parts, to_rows};
-use crate::space::{SCALES, UNITS};
-use crate::space::{axis, axis_names, direction, rotations};
+use crate::numeric::affine::{apart_unordered, joined, parts, to_rows};
+use crate::space::{SCALES, UNITS, axis, axis_names, direction, rotations};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::format::{Axis, Space};
@@ -62,13 +59,12 @@ impl Examples {
                  diagonal at best{order}"
             ))
         })?;
-        similarity.move_joints(&mut self.skeleton, &mut self.transforms);
+        similarity.move_joints(&mut self.skeleton.rest, &mut self.transforms);
         similarity.move_points(&mut self.rest);
         similarity.move_points(&mut self.vertices);
         similarity.turn(self.engine.as_mut());
         self.space = similarity.space(&self.space);
-        let how = similarity.to_string();
-        Ok((!similarity.is_identity()).then_some(Warning::Moved { what: "poses", how }))
+        Ok(similarity.warning("poses"))
     }
 }
 
@@ -100,7 +96,7 @@ pub(super) fn meshes(from: &[[f64; 3]], to: &[[f64; 3]]) -> Result<Similarity, f
 fn are_shuffled(from: &[[f64; 3]], to: &[[f64; 3]]) -> bool {
     similarities(from, to).any(|similarity| {
         let moved = from.iter().map(|&x| similarity.point(x.into()).into());
-        apart_unordered(&moved.collect::<Vec<_>>(), to) <= SAME_MESH * diagonal(to)
+        apart_unordered(&moved.collect::<Vec<_>>(), to) <= SAME_MESH * Cloud::new(to).diagonal
     })
 }
 
@@ -119,45 +115,22 @@ fn between(from: &Cloud, to: &Cloud) -> impl Iterator<Item = Similarity> + use<>
     rotations().map(move |turn| Similarity { turn, scale, shift: to - turn * from * scale })
 }
 
-/// Finds the similarity that moves posed meshes onto the joints that carry the rest mesh; no translation. Arrays are
-/// frame-major.
+/// Finds the similarity that moves posed meshes onto the joints that carry the rest mesh; no translation.
 ///
 /// # Errors
 /// No candidate is close.
-pub(super) fn poses(
-    rest: &[[f64; 3]],
-    transforms: &[Matrix3x4],
-    posed: &[[f64; 3]],
-) -> Result<Similarity, Error> {
-    let cloud = Cloud::new(rest);
-    let frame_len = posed.len() / rest.len().max(1);
-    let joint_len = transforms.len() / frame_len.max(1);
-    let frames: Vec<usize> = spread(frame_len, SAMPLE.1);
-    let vertices: Vec<usize> = spread(rest.len(), SAMPLE.0);
-    // Position of each sampled vertex under each joint alone.
-    let carried: Vec<Vec<Vec<Vector3<f64>>>> = vertices
-        .iter()
-        .map(|&vertex| {
-            let carried = |joint: usize| {
-                let maps = frames.iter().map(|&frame| &transforms[frame * joint_len + joint]);
-                maps.map(|map| carry(map, &rest[vertex])).collect()
-            };
-            (0..joint_len).map(carried).collect()
-        })
-        .collect();
+pub(super) fn poses(examples: &Examples) -> Result<Similarity, Error> {
+    let diagonal = Cloud::new(&examples.rest).diagonal;
+    let frames = spread(examples.frame_len(), SAMPLE.1);
+    let vertices = spread(examples.vertex_len(), SAMPLE.0);
+    let carried: Vec<_> = vertices.iter().map(|&v| paths(examples, &frames, v)).collect();
     let distance = |similarity: Similarity| {
-        let squares = vertices.iter().zip(&carried).map(|(&vertex, by_joint)| {
-            let there: Vec<_> = frames
-                .iter()
-                .map(|&frame| similarity.point(posed[frame * rest.len() + vertex].into()))
-                .collect();
-            let joint = by_joint.iter().map(|carried| {
-                carried.iter().zip(&there).map(|(a, b)| (a - b).norm_squared()).sum::<f64>()
-            });
-            joint.fold(f64::INFINITY, f64::min)
+        let squares = vertices.iter().zip(&carried).map(|(&vertex, paths)| {
+            let there = similarity.path(examples, &frames, vertex);
+            paths.iter().map(|path| squared(path, &there)).fold(f64::INFINITY, f64::min)
         });
         let count = (vertices.len() * frames.len()).max(1) as f64;
-        (squares.sum::<f64>() / count).sqrt() / cloud.diagonal
+        (squares.sum::<f64>() / count).sqrt() / diagonal
     };
     let candidates: Vec<Similarity> = scaled_turns().collect();
     let scored: Vec<_> = candidates.into_par_iter().map(|s| (s, distance(s))).collect();
@@ -181,38 +154,24 @@ pub(super) fn targets_apart(percent: f64) -> Error {
 /// Returns whether posed meshes have the rest mesh's vertices in another order: joints carry rest vertices to the posed
 /// positions, but not the vertices with the same numbers. Considers right-angle rotations and changes of unit. Most
 /// vertices must match in most frames, because an exploded frame proves nothing about the order.
-pub(crate) fn is_shuffled(rest: &[[f64; 3]], transforms: &[Matrix3x4], posed: &[[f64; 3]]) -> bool {
-    let frame_len = posed.len() / rest.len().max(1);
-    let joint_len = transforms.len() / frame_len.max(1);
-    let frames = spread(frame_len, SHUFFLE_SAMPLE.2);
-    if frames.is_empty() || rest.is_empty() {
+pub(crate) fn is_shuffled(examples: &Examples) -> bool {
+    let (vertex_len, frames) =
+        (examples.vertex_len(), spread(examples.frame_len(), SHUFFLE_SAMPLE.2));
+    if frames.is_empty() || vertex_len == 0 {
         return false;
     }
-    let mut radii: Vec<f64> =
-        frames.iter().map(|frame| radius(&posed[frame * rest.len()..][..rest.len()])).collect();
+    let radius = |points: &[[f64; 3]]| Cloud::new(points).radius;
+    let mut radii: Vec<f64> = frames.iter().map(|&frame| radius(examples.frame(frame))).collect();
     radii.sort_by(f64::total_cmp);
-    let ratio = radius(rest) / radii[radii.len() / 2];
-    let likely = |place: &Similarity| {
-        let stretch = place.scale() / ratio;
-        (1.0 / STRETCHED..STRETCHED).contains(&stretch)
-    };
-    // Path of a vertex under a joint, over the sampled frames.
-    let path = |v: usize, joint: usize| -> Vec<Vector3<f64>> {
-        frames.iter().map(|frame| carry(&transforms[frame * joint_len + joint], &rest[v])).collect()
-    };
-    let paths = |v: usize| (0..joint_len).map(move |joint| (v, joint));
-    let all: Vec<Vec<Vector3<f64>>> = spread(rest.len(), SHUFFLE_SAMPLE.1)
-        .into_iter()
-        .flat_map(paths)
-        .map(|(v, joint)| path(v, joint))
-        .collect();
-    let picked = spread(rest.len(), SHUFFLE_SAMPLE.0);
-    let own: Vec<Vec<Vec<Vector3<f64>>>> =
-        picked.iter().map(|&v| paths(v).map(|(v, joint)| path(v, joint)).collect()).collect();
-    let near = NEAR * diagonal(rest);
-    let matches = |place: &Similarity, k: usize, paths: &[Vec<Vector3<f64>>]| {
-        let at = |frame: &usize| place.point(posed[frame * rest.len() + picked[k]].into());
-        let there: Vec<Vector3<f64>> = frames.iter().map(at).collect();
+    let ratio = radius(&examples.rest) / radii[radii.len() / 2];
+    let likely = |place: &Similarity| (1.0 / STRETCHED..STRETCHED).contains(&(place.scale / ratio));
+    let paths = |v: usize| paths(examples, &frames, v);
+    let all: Vec<Path> = spread(vertex_len, SHUFFLE_SAMPLE.1).into_iter().flat_map(paths).collect();
+    let picked = spread(vertex_len, SHUFFLE_SAMPLE.0);
+    let own: Vec<Vec<Path>> = picked.iter().map(|&v| paths(v)).collect();
+    let near = NEAR * Cloud::new(&examples.rest).diagonal;
+    let matches = |place: &Similarity, k: usize, paths: &[Path]| {
+        let there = place.path(examples, &frames, picked[k]);
         paths.iter().any(|path| {
             let near = path.iter().zip(&there).filter(|(a, b)| (*a - *b).norm() < near);
             2 * near.count() > frames.len()
@@ -268,12 +227,12 @@ impl Similarity {
         Space { up, forward, unit, ..*from }
     }
 
-    /// Moves a skeleton and its maps from rest pose to pose.
-    pub(super) fn move_joints(&self, skeleton: &mut Skeleton, transforms: &mut [Matrix3x4]) {
+    /// Moves the rest frames of joints, and their maps from rest pose to pose.
+    pub(super) fn move_joints(&self, rest: &mut [Matrix3x4], transforms: &mut [Matrix3x4]) {
         if self.is_identity() {
             return;
         }
-        for frame in &mut skeleton.rest {
+        for frame in rest {
             let (turn, origin) = parts(frame);
             *frame = to_rows(&joined(&(self.turn * turn), &self.point(origin)));
         }
@@ -286,13 +245,19 @@ impl Similarity {
         }
     }
 
-    /// Returns the scale factor.
-    pub(super) fn scale(&self) -> f64 {
-        self.scale
-    }
-
     pub(super) fn point(&self, x: Vector3<f64>) -> Vector3<f64> {
         self.turn * x * self.scale + self.shift
+    }
+
+    /// Returns the path of a posed vertex over some frames.
+    pub(super) fn path(&self, examples: &Examples, frames: &[usize], vertex: usize) -> Path {
+        let posed = frames.iter().map(|&frame| examples.frame(frame)[vertex]);
+        posed.map(|x| self.point(x.into())).collect()
+    }
+
+    /// Returns a warning if anything moved.
+    pub(super) fn warning(&self, what: &'static str) -> Option<Warning> {
+        (!self.is_identity()).then(|| Warning::Moved { what, how: self.to_string() })
     }
 }
 
@@ -327,9 +292,8 @@ impl Cloud {
         let centre = points.iter().sum::<Vector3<f64>>() / count;
         let squares = points.iter().map(|point| (point - centre).norm_squared());
         let radius = (squares.sum::<f64>() / count).sqrt().max(f64::MIN_POSITIVE);
-        let low = points.iter().fold(centre, |low, point| low.inf(point));
-        let high = points.iter().fold(centre, |high, point| high.sup(point));
-        Self { points, centre, radius, diagonal: (high - low).norm().max(f64::MIN_POSITIVE) }
+        let diagonal = diagonal(points.iter().map(|&x| x.into())).max(f64::MIN_POSITIVE);
+        Self { points, centre, radius, diagonal }
     }
 }
 
@@ -348,18 +312,20 @@ fn nearest_unit(ratio: f64) -> f64 {
     SCALES.into_iter().find(near).unwrap_or(ratio)
 }
 
-/// Returns the diagonal of the points' bounding box.
-pub(super) fn diagonal(points: &[[f64; 3]]) -> f64 {
-    Cloud::new(points).diagonal
+/// Positions of a vertex over some frames.
+pub(super) type Path = Vec<Vector3<f64>>;
+
+/// Returns the path of a rest vertex over some frames under each joint alone, J.
+pub(super) fn paths(examples: &Examples, frames: &[usize], vertex: usize) -> Vec<Path> {
+    let rest = Vector3::from(examples.rest[vertex]);
+    let path = |joint: usize| {
+        let maps = frames.iter().map(|&frame| parts(&examples.pose(frame)[joint]));
+        maps.map(|(linear, offset)| linear * rest + offset).collect()
+    };
+    (0..examples.joint_len()).map(path).collect()
 }
 
-/// Returns the RMS distance of points from their centre.
-pub(super) fn radius(points: &[[f64; 3]]) -> f64 {
-    Cloud::new(points).radius
-}
-
-/// Returns the position of a vertex under one joint.
-pub(super) fn carry(map: &Matrix3x4, x: &[f64; 3]) -> Vector3<f64> {
-    let (linear, offset) = parts(map);
-    linear * Vector3::from(*x) + offset
+/// Returns the sum of the squared distances between two paths.
+pub(super) fn squared(a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).norm_squared()).sum()
 }

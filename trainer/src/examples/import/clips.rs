@@ -1,11 +1,9 @@
 //! Clips: selects the requested clips, checks their rate, and finds the order in which posed meshes follow them.
 
-use super::align::{Similarity, carry, diagonal, scaled_turns};
+use super::align::{Path, Similarity, paths, scaled_turns, squared};
 use crate::Error;
-use crate::examples::data::spread;
-use crate::examples::{Clip, Matrix3x4};
+use crate::examples::{Clip, Examples, spread};
 use crate::formats::scene::{EVEN, Sampling};
-use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -68,19 +66,9 @@ pub(super) fn check_even(clips: &[Clip]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Poses of several clips, and posed meshes for them.
-pub(crate) struct PosedClips<'a> {
-    /// Rest positions, V.
-    pub(crate) rest: &'a [[f64; 3]],
-    /// Maps of the joints from rest pose to pose, N x J, frame-major.
-    pub(crate) transforms: &'a [Matrix3x4],
-    /// Posed positions, N x V, frame-major.
-    pub(crate) posed: &'a [[f64; 3]],
-    /// Number of frames in each clip, with the sum N.
-    pub(crate) lens: &'a [usize],
-    /// Whether the meshes share the joints' axes and unit. Otherwise right-angle rotations and changes of unit are
-    /// tried.
-    pub(crate) placed: bool,
+/// Counts the frames of clips.
+pub(super) fn frame_len(clips: &[Clip]) -> usize {
+    clips.iter().map(|clip| clip.times.len()).sum()
 }
 
 /// An order of the clips that fits the meshes better than the given order.
@@ -94,93 +82,87 @@ pub(crate) struct Order {
     pub(crate) is_one_of_several: bool,
 }
 
-impl Order {
-    /// Returns the first frame of each clip's meshes, by clip number.
-    fn begins(clips: &[usize], lens: &[usize]) -> Vec<usize> {
-        let mut begins = vec![0; lens.len()];
-        let mut begin = 0;
-        for &clip in clips {
-            begins[clip] = begin;
-            begin += lens[clip];
-        }
-        begins
+/// Returns the first frame of each clip's meshes, by clip number.
+fn begins(order: &[usize], clips: &[Clip]) -> Vec<usize> {
+    let mut begins = vec![0; clips.len()];
+    let mut begin = 0;
+    for &clip in order {
+        begins[clip] = begin;
+        begin += clips[clip].times.len();
     }
+    begins
+}
 
-    /// Sorts frame-major rows from the meshes' order to the clips' order, `each` rows per frame.
-    pub(super) fn sorted<T: Clone>(&self, all: &[T], each: usize, lens: &[usize]) -> Vec<T> {
-        let begins = Self::begins(&self.clips, lens);
-        let blocks = begins.into_iter().zip(lens);
-        blocks.flat_map(|(begin, len)| &all[begin * each..][..len * each]).cloned().collect()
+impl Order {
+    /// Lists the frames of the meshes in the clips' order.
+    pub(super) fn frames(&self, clips: &[Clip]) -> Vec<usize> {
+        let blocks = begins(&self.clips, clips).into_iter().zip(clips);
+        blocks.flat_map(|(begin, clip)| begin..begin + clip.times.len()).collect()
     }
 }
 
-impl PosedClips<'_> {
-    /// Finds the order in which the meshes follow the clips. `None` if the given order fits, if no order is much
-    /// better, or if the clips do not cover the frames.
-    pub(crate) fn order(&self) -> Option<Order> {
-        let len = self.lens.len();
-        let cover = self.lens.iter().sum::<usize>() * self.rest.len() == self.posed.len();
-        if !cover || !(2..=CLIPS_MOST).contains(&len) {
-            return None;
-        }
-        let fit = Fit::new(self);
-        let places: Vec<Similarity> =
-            if self.placed { vec![Similarity::IDENTITY] } else { scaled_turns().collect() };
-        let orders = orders(len);
-        let begins = |order: &Vec<usize>| Order::begins(order, self.lens);
-        let given = begins(&orders[0]);
-        let of_given = |place: &Similarity| {
-            let blocks = given.iter().enumerate();
-            fit.residual(
-                &blocks.map(|(clip, &begin)| fit.block(clip, begin, place)).collect::<Vec<_>>(),
-            )
-        };
-        let best_given = places.par_iter().map(of_given).reduce(|| f64::INFINITY, f64::min);
-        if best_given < FITS {
-            return None;
-        }
-        // If the meshes of the first clip fit somewhere, some order fits all clips.
-        let mut pairs: Vec<(usize, usize)> =
-            orders.iter().flat_map(|order| begins(order).into_iter().enumerate()).collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let nearest = |place: &Similarity| {
-            let first = pairs.iter().filter(|(clip, _)| *clip == 0);
-            let residuals =
-                first.map(|&(clip, begin)| fit.residual(&[fit.block(clip, begin, place)]));
-            residuals.fold(f64::INFINITY, f64::min)
-        };
-        let scored: Vec<f64> = places.par_iter().map(nearest).collect();
-        let (place, _) = places.iter().zip(scored).min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let blocks: BTreeMap<_, Block> = pairs
-            .par_iter()
-            .map(|&(clip, begin)| ((clip, begin), fit.block(clip, begin, place)))
-            .collect();
-        let residual = |order: &Vec<usize>| {
-            let own = begins(order).into_iter().enumerate();
-            fit.residual(&own.filter_map(|pair| blocks.get(&pair)).collect::<Vec<_>>())
-        };
-        let mut scored: Vec<(f64, &Vec<usize>)> =
-            orders.iter().map(|order| (residual(order), order)).collect();
-        scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let &(best, clips) = scored.first()?;
-        if *clips == orders[0] || best > BETTER * best_given {
-            return None;
-        }
-        let is_one_of_several = scored.get(1).is_some_and(|(next, _)| best > BETTER * next);
-        let percent = [100.0 * best, 100.0 * best_given];
-        Some(Order { clips: clips.clone(), percent, is_one_of_several })
+/// Finds the order in which the meshes follow the clips. `None` if the given order fits, if no order is much better, or
+/// if the clips do not cover the frames.
+///
+/// - `placed`: whether the meshes share the joints' axes and unit. Otherwise right-angle rotations and changes of unit
+///   are tried.
+pub(crate) fn best_order(examples: &Examples, clips: &[Clip], placed: bool) -> Option<Order> {
+    let cover = frame_len(clips) * examples.vertex_len() == examples.vertices.len();
+    if !cover || !(2..=CLIPS_MOST).contains(&clips.len()) {
+        return None;
     }
+    let orders = orders(clips.len());
+    let begins = |order: &Vec<usize>| begins(order, clips);
+    let given = begins(&orders[0]);
+    let fit = Fit::new(examples, clips, &given);
+    let places: Vec<Similarity> =
+        if placed { vec![Similarity::IDENTITY] } else { scaled_turns().collect() };
+    let of_given = |place: &Similarity| {
+        let blocks = given.iter().enumerate().map(|(clip, &begin)| fit.block(clip, begin, place));
+        fit.residual(&blocks.collect::<Vec<_>>())
+    };
+    let best_given = places.par_iter().map(of_given).reduce(|| f64::INFINITY, f64::min);
+    if best_given < FITS {
+        return None;
+    }
+    // If the meshes of the first clip fit somewhere, some order fits all clips.
+    let mut pairs: Vec<(usize, usize)> =
+        orders.iter().flat_map(|order| begins(order).into_iter().enumerate()).collect();
+    pairs.sort_unstable();
+    pairs.dedup();
+    let nearest = |place: &Similarity| {
+        let first = pairs.iter().filter(|(clip, _)| *clip == 0);
+        let residuals = first.map(|&(clip, begin)| fit.residual(&[fit.block(clip, begin, place)]));
+        residuals.fold(f64::INFINITY, f64::min)
+    };
+    let scored: Vec<f64> = places.par_iter().map(nearest).collect();
+    let (place, _) = places.iter().zip(scored).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let blocks = pairs.par_iter().map(|&pair| (pair, fit.block(pair.0, pair.1, place)));
+    let blocks: BTreeMap<_, Block> = blocks.collect();
+    let residual = |order: &Vec<usize>| {
+        let own = begins(order).into_iter().enumerate();
+        fit.residual(&own.filter_map(|pair| blocks.get(&pair)).collect::<Vec<_>>())
+    };
+    let mut scored: Vec<(f64, &Vec<usize>)> =
+        orders.iter().map(|order| (residual(order), order)).collect();
+    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let &(best, clips) = scored.first()?;
+    if *clips == orders[0] || best > BETTER * best_given {
+        return None;
+    }
+    let is_one_of_several = scored.get(1).is_some_and(|(next, _)| best > BETTER * next);
+    let percent = [100.0 * best, 100.0 * best_given];
+    Some(Order { clips: clips.clone(), percent, is_one_of_several })
 }
 
 /// Residuals of skinning each vertex by its best joint.
 struct Fit<'a> {
-    clips: &'a PosedClips<'a>,
+    examples: &'a Examples,
     vertices: Vec<usize>,
     /// Sampled frames of each clip, relative to the clip's start.
     frames: Vec<Vec<usize>>,
-    /// Positions under each joint alone: clips x sampled frames x (vertices x joints).
-    carried: Vec<Vec<Vec<Vector3<f64>>>>,
+    /// Paths under each joint alone, over the sampled frames: clips x vertices x joints.
+    carried: Vec<Vec<Vec<Path>>>,
     diagonal: f64,
 }
 
@@ -188,43 +170,29 @@ struct Fit<'a> {
 struct Block(Vec<f64>, usize);
 
 impl<'a> Fit<'a> {
-    fn new(clips: &'a PosedClips<'a>) -> Self {
-        let vertices = spread(clips.rest.len(), SAMPLE.0);
-        let frames: Vec<_> = clips.lens.iter().map(|&len| spread(len, SAMPLE.1)).collect();
-        let joint_len = clips.transforms.len() / clips.lens.iter().sum::<usize>().max(1);
-        let given: Vec<usize> = (0..clips.lens.len()).collect();
-        let begins = Order::begins(&given, clips.lens);
-        let of_frame = |frame: usize| -> Vec<Vector3<f64>> {
-            let maps = &clips.transforms[frame * joint_len..][..joint_len];
-            let of_vertex = |&v: &usize| maps.iter().map(move |map| carry(map, &clips.rest[v]));
-            vertices.iter().flat_map(of_vertex).collect()
+    /// Samples vertices and frames, and carries the vertices by the joints.
+    ///
+    /// - `begins`: first frame of each clip.
+    fn new(examples: &'a Examples, clips: &[Clip], begins: &[usize]) -> Self {
+        let vertices = spread(examples.vertex_len(), SAMPLE.0);
+        let frames: Vec<_> = clips.iter().map(|clip| spread(clip.times.len(), SAMPLE.1)).collect();
+        let of_clip = |(frames, begin): (&Vec<usize>, &usize)| {
+            let frames: Vec<usize> = frames.iter().map(|frame| begin + frame).collect();
+            vertices.iter().map(|&v| paths(examples, &frames, v)).collect()
         };
-        let carried = frames.iter().zip(begins);
-        let carried = carried
-            .map(|(frames, begin)| frames.iter().map(|frame| of_frame(begin + frame)).collect())
-            .collect();
-        let diagonal = diagonal(clips.rest);
-        Self { clips, vertices, frames, carried, diagonal }
+        let carried = frames.iter().zip(begins).map(of_clip).collect();
+        let diagonal = examples.diagonal().max(f64::MIN_POSITIVE);
+        Self { examples, vertices, frames, carried, diagonal }
     }
 
     /// Measures the meshes from frame `begin` on against the poses of a clip.
     fn block(&self, clip: usize, begin: usize, place: &Similarity) -> Block {
-        let mut squares = Vec::new();
-        let vertex_len = self.clips.rest.len();
-        for (&frame, carried) in self.frames[clip].iter().zip(&self.carried[clip]) {
-            squares.resize(carried.len(), 0.0);
-            let joint_len = carried.len() / self.vertices.len().max(1);
-            let posed = &self.clips.posed[(begin + frame) * vertex_len..][..vertex_len];
-            for (number, &v) in self.vertices.iter().enumerate() {
-                let there = place.point(posed[v].into());
-                let of_vertex = number * joint_len..(number + 1) * joint_len;
-                let own = carried[of_vertex.clone()].iter();
-                for (square, carried) in squares[of_vertex].iter_mut().zip(own) {
-                    *square += (carried - there).norm_squared();
-                }
-            }
-        }
-        Block(squares, self.frames[clip].len())
+        let frames: Vec<usize> = self.frames[clip].iter().map(|frame| begin + frame).collect();
+        let squares = self.vertices.iter().zip(&self.carried[clip]).flat_map(|(&v, paths)| {
+            let there = place.path(self.examples, &frames, v);
+            paths.iter().map(move |path| squared(path, &there))
+        });
+        Block(squares.collect(), frames.len())
     }
 
     /// Returns the residual of the best joint of each vertex over some blocks: RMS over frames, mean over vertices,

@@ -1,6 +1,7 @@
 //! Joins examples of one character from several files.
 
 use crate::Error;
+use crate::examples::validate::Origin;
 use crate::examples::{Clip, Examples, Skeleton, Warning};
 use crate::numeric::affine::{apart, apart_unordered};
 use std::path::{Path, PathBuf};
@@ -14,6 +15,17 @@ pub struct Loaded {
     pub clips: Vec<Clip>,
     /// Repaired or ignored content, and content that a fit will ignore.
     pub warnings: Vec<Warning>,
+}
+
+impl Loaded {
+    /// Checks the examples.
+    ///
+    /// # Errors
+    /// Those of [`Examples::validate`]; they name the parts of the origin.
+    pub(super) fn checked(mut self, origin: &Origin<'_>) -> Result<Self, Error> {
+        self.warnings.extend(self.examples.validate_of(origin)?);
+        Ok(self)
+    }
 }
 
 /// Largest distance of equal rest meshes and joint origins, relative to the diagonal: covers rounding to f32 and to

@@ -3,11 +3,12 @@
 use super::align::{self, Similarity, similarities};
 use crate::Error;
 use crate::examples::Warning;
-use crate::examples::data::spread;
+use crate::examples::data::{bounds, diagonal, spread};
 use crate::formats::posed_meshes::{Part, PosedMeshes};
 use crate::mesh::Surface;
+use crate::numeric::grid::Grid;
 use nalgebra::Vector3;
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Largest distance between copies of a vertex in any frame, relative to the diagonal.
@@ -37,7 +38,7 @@ pub(super) fn arranged(
     let left_out: Vec<String> =
         left_out.filter_map(|part| parts[part].names.first().cloned()).collect();
     if !left_out.is_empty() {
-        warnings.push(Warning::TargetsLeftOut { meshes: left_out });
+        warnings.push(Warning::TargetsLeftOut(left_out));
     }
     let picked: Vec<&Part> = picked.into_iter().map(|part| &parts[part]).collect();
     let pick = |all: &[[f64; 3]]| -> Vec<[f64; 3]> {
@@ -126,9 +127,7 @@ fn picked(
         named.or_else(|| of_len(range.len()))
     };
     let picked: Vec<usize> = ranges.iter().map(of).collect::<Option<_>>()?;
-    let mut once = picked.clone();
-    once.sort_unstable();
-    once.dedup();
+    let once: HashSet<&usize> = picked.iter().collect();
     (once.len() == picked.len()).then_some(picked)
 }
 
@@ -143,7 +142,7 @@ fn found_by_place(positions: &[[f64; 3]], rest: &[[f64; 3]]) -> Option<Vec<Vec<u
     if align::meshes(positions, rest).is_ok() {
         return None;
     }
-    let grid = Grid::new(rest);
+    let grid = Grid::new(rest, PLACE * diagonal(rest.iter().copied()));
     let looked = spread(positions.len(), SAMPLE);
     let near = |similarity: &Similarity, v: usize| {
         let mut point = [positions[v]];
@@ -179,28 +178,21 @@ fn found_by_reference(
 
 /// Scales points so that each coordinate ranges from -1 to 1.
 pub(super) fn in_one_box(points: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let bounds = [0, 1, 2].map(|axis| bounds(points, axis));
+    let [low, high] = bounds(points.iter().copied());
     let moved = |point: &[f64; 3]| {
-        std::array::from_fn(|axis| {
-            let (low, high) = bounds[axis];
-            let half = (high - low) / 2.0;
-            if half > 0.0 { (point[axis] - low) / half - 1.0 } else { 0.0 }
+        [0, 1, 2].map(|axis| {
+            let half = (high[axis] - low[axis]) / 2.0;
+            if half > 0.0 { (point[axis] - low[axis]) / half - 1.0 } else { 0.0 }
         })
     };
     points.iter().map(moved).collect()
-}
-
-/// Returns the least and greatest value of a coordinate.
-fn bounds(points: &[[f64; 3]], axis: usize) -> (f64, f64) {
-    let all = points.iter().map(|point| point[axis]);
-    (all.clone().fold(f64::MAX, f64::min), all.fold(f64::MIN, f64::max))
 }
 
 /// Checks that the copies of each vertex coincide in all frames.
 fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), Error> {
     let vertex_len = meshes.vertex_len.max(1);
     let first = meshes.vertices.chunks(vertex_len).next().unwrap_or_default();
-    let diagonal = diagonal(meshes.rest.as_deref().unwrap_or(first));
+    let diagonal = diagonal(meshes.rest.as_deref().unwrap_or(first).iter().copied());
     for (frame, posed) in meshes.vertices.chunks(vertex_len).enumerate() {
         for copies in copies {
             let Some((&first, others)) = copies.split_first() else { continue };
@@ -220,54 +212,4 @@ fn check_copies(meshes: &PosedMeshes, copies: &[Vec<usize>]) -> Result<(), Error
         }
     }
     Ok(())
-}
-
-fn diagonal(points: &[[f64; 3]]) -> f64 {
-    [0, 1, 2]
-        .map(|axis| bounds(points, axis))
-        .iter()
-        .map(|(low, high)| (high - low).powi(2))
-        .sum::<f64>()
-        .sqrt()
-}
-
-/// Spatial hash of points.
-struct Grid<'a> {
-    points: &'a [[f64; 3]],
-    reach: f64,
-    cells: HashMap<[i64; 3], Vec<usize>>,
-}
-
-impl<'a> Grid<'a> {
-    fn new(points: &'a [[f64; 3]]) -> Self {
-        let reach = (PLACE * diagonal(points)).max(f64::MIN_POSITIVE);
-        let mut cells: HashMap<_, Vec<usize>> = HashMap::new();
-        for (number, point) in points.iter().enumerate() {
-            cells.entry(cell(point, reach)).or_default().push(number);
-        }
-        Self { points, reach, cells }
-    }
-
-    /// Lists the points within reach of `point`, ascending.
-    fn near(&self, point: [f64; 3]) -> Vec<usize> {
-        let middle = cell(&point, self.reach);
-        let mut found = Vec::new();
-        for place in 0..27 {
-            let step = [place % 3, place / 3 % 3, place / 9].map(|step| step - 1);
-            let cell: [i64; 3] =
-                std::array::from_fn(|axis| middle[axis].saturating_add(step[axis]));
-            for &number in self.cells.get(&cell).into_iter().flatten() {
-                let apart = Vector3::from(self.points[number]) - Vector3::from(point);
-                if apart.norm() <= self.reach {
-                    found.push(number);
-                }
-            }
-        }
-        found.sort_unstable();
-        found
-    }
-}
-
-fn cell(point: &[f64; 3], size: f64) -> [i64; 3] {
-    point.map(|x| (x / size).floor() as i64)
 }

@@ -13,7 +13,6 @@ mod targets;
 mod tests;
 
 pub(crate) use align::is_shuffled;
-pub(crate) use clips::PosedClips;
-pub use joined::Loaded;
-pub use joined::join;
+pub(crate) use clips::best_order;
+pub use joined::{Loaded, join};
 pub use source::{Source, has_no_mesh, load, load_motion, load_poses};

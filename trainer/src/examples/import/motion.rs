@@ -4,15 +4,13 @@ use super::align;
 use super::joined::Loaded;
 use super::scene::{rest_frame, rows, unscale};
 use crate::Error;
-use crate::examples::data::spread;
 use crate::examples::joints::idle;
 use crate::examples::validate::Origin;
-use crate::examples::{Examples, Matrix3x4, Skeleton, Split, Warning};
+use crate::examples::{Examples, Matrix3x4, Skeleton, Split, Warning, spread};
 use crate::formats::extension::{extension, unknown_format};
 use crate::formats::scene::{JointNames, Motion, Sampling};
 use crate::formats::{fbx, gltf};
-use crate::numeric::affine::apart;
-use crate::numeric::affine::{joined, parts, to_rows};
+use crate::numeric::affine::{apart, joined, parts, to_rows};
 use crate::numeric::so3;
 use crate::space::Conversion;
 use nalgebra::{Matrix3, Matrix4, Vector3};
@@ -48,7 +46,7 @@ pub(super) fn play(
     joint_names: &JointNames<'_>,
     sampling: &Sampling<'_>,
 ) -> Result<Loaded, Error> {
-    let Skeleton { names, parents, rest: own_rest, .. } = &character.skeleton;
+    let Skeleton { names, parents, .. } = &character.skeleton;
     let motion = read(file, names, joint_names, sampling)?;
     let mut places: Vec<Option<usize>> = vec![None; names.len()];
     motion.joints.of.iter().enumerate().for_each(|(own, &joint)| places[joint] = Some(own));
@@ -70,29 +68,24 @@ pub(super) fn play(
             of_character.ok_or(error)?
         }
     };
-    let joint_len = names.len();
-    let mut transforms: Vec<Matrix3x4> = Vec::new();
-    for frame in found.chunks_exact(motion.joints.nodes.len()) {
-        let carrier = |joint: usize| {
-            let mut upwards = std::iter::successors(Some(joint), |&joint| parents[joint]);
-            upwards.find_map(|joint| places[joint])
-        };
-        transforms.extend((0..joint_len).filter_map(carrier).map(|own| frame[own]));
+    let carrier = |joint: usize| {
+        let mut upwards = std::iter::successors(Some(joint), |&joint| parents[joint]);
+        upwards.find_map(|joint| places[joint])
+    };
+    let carriers: Vec<usize> = (0..names.len()).filter_map(carrier).collect();
+    let frames = found.chunks_exact(motion.joints.nodes.len());
+    let transforms = frames.flat_map(|frame| carriers.iter().map(move |&own| frame[own])).collect();
+    let missing = names.iter().zip(&places).filter(|(_, place)| place.is_none());
+    let joints: Vec<String> = missing.map(|(name, _)| name.clone()).collect();
+    if !joints.is_empty() {
+        warnings.push(Warning::FollowParents { joints, mismatch: mismatch.clone() });
     }
-    let missing = |joint: &usize| places[*joint].is_none();
-    let missing: Vec<String> =
-        (0..own_rest.len()).filter(missing).map(|joint| names[joint].clone()).collect();
-    if !missing.is_empty() {
-        let mismatch = mismatch.clone();
-        warnings.push(Warning::FollowParents { joints: missing, mismatch });
-    }
-    let frame_len = transforms.len() / joint_len.max(1);
+    character.transforms = transforms;
+    let frame_len = character.transforms.len() / character.joint_len().max(1);
     character.vertices = character.rest.repeat(frame_len);
     character.split = vec![Split::Train; frame_len];
-    character.transforms = transforms;
     warnings.extend(character.unscale_idle_joints());
-    warnings.extend(character.validate_of(&Origin::SCENE)?);
-    Ok(Loaded { examples: character, clips: motion.clips, warnings })
+    Loaded { examples: character, clips: motion.clips, warnings }.checked(&Origin::SCENE)
 }
 
 /// Reads the motion of a character's joints from a file.
@@ -122,81 +115,62 @@ fn from_own_rest(
     character: &Examples,
     places: &[Option<usize>],
 ) -> Result<Vec<Matrix3x4>, Error> {
-    let of = |rest: &[Matrix4<f64>]| {
-        let mut found = AnimatedJoints::new(motion, rest, character);
-        found.move_to(character, places).map(|()| found.transforms)
-    };
+    let of = |rest: &[Matrix4<f64>]| from_rest(motion, rest, character, places);
     match motion.binds.as_deref().map(of) {
         Some(Ok(transforms)) => Ok(transforms),
         _ => of(&motion.rest),
     }
 }
 
-/// Joints of an animation's file, in the character's order.
-struct AnimatedJoints {
-    space: sinew_runtime::format::Space,
-    skeleton: Skeleton,
-    /// Maps from rest pose to pose, frame-major.
-    transforms: Vec<Matrix3x4>,
-}
-
-impl AnimatedJoints {
-    /// Creates maps relative to a rest pose; a common scale of all maps moves into the rest pose.
-    fn new(motion: &Motion, rest: &[Matrix4<f64>], character: &Examples) -> Self {
-        let back = |frame: &Matrix4<f64>| frame.try_inverse().unwrap_or_else(Matrix4::identity);
-        let back: Vec<_> = rest.iter().map(back).collect();
-        let posed = motion.frames.iter().zip(back.iter().cycle());
-        let mut maps: Vec<_> = posed.map(|(frame, back)| frame * back).collect();
-        let Skeleton { names, parents, .. } = &character.skeleton;
-        let idle = idle(character.joint_weights.as_deref(), parents);
-        let idle: Vec<bool> = motion.joints.of.iter().map(|&joint| idle[joint]).collect();
-        let scale = unscale(&mut maps, &idle);
-        let skeleton = Skeleton {
-            names: motion.joints.of.iter().map(|&joint| names[joint].clone()).collect(),
-            parents: vec![None; rest.len()],
-            rest: rest.iter().map(|frame| rows(&rest_frame(frame, scale))).collect(),
-            roots: Vec::new(),
-            unplaced: Vec::new(),
-        };
-        Self { space: motion.space, skeleton, transforms: maps.iter().map(rows).collect() }
+/// Computes the maps from a rest pose to the poses of an animation's joints, frame-major. A common scale of all maps
+/// moves into the rest pose. Then the joints move onto the character's joints: by axes and unit if both are known, else
+/// by the rest origins.
+///
+/// - `places`: the animation's joint of each character joint.
+///
+/// # Errors
+/// The rest poses differ.
+fn from_rest(
+    motion: &Motion,
+    rest: &[Matrix4<f64>],
+    character: &Examples,
+    places: &[Option<usize>],
+) -> Result<Vec<Matrix3x4>, Error> {
+    let back = |frame: &Matrix4<f64>| frame.try_inverse().unwrap_or_else(Matrix4::identity);
+    let back: Vec<_> = rest.iter().map(back).collect();
+    let posed = motion.frames.iter().zip(back.iter().cycle());
+    let mut maps: Vec<_> = posed.map(|(frame, back)| frame * back).collect();
+    let idle = idle(character.joint_weights.as_deref(), &character.skeleton.parents);
+    let idle: Vec<bool> = motion.joints.of.iter().map(|&joint| idle[joint]).collect();
+    let scale = unscale(&mut maps, &idle);
+    let mut rest: Vec<Matrix3x4> =
+        rest.iter().map(|frame| rows(&rest_frame(frame, scale))).collect();
+    let mut transforms: Vec<Matrix3x4> = maps.iter().map(rows).collect();
+    if let Some(conversion) = Conversion::between(&motion.space, &character.space) {
+        let moved = rest.iter_mut().chain(&mut transforms);
+        moved.for_each(|map| *map = conversion.transform(map));
     }
-
-    /// Moves the joints onto the character's joints: by axes and unit if both are known, else by the rest origins.
-    ///
-    /// - `places`: the animation's joint of each character joint.
-    ///
-    /// # Errors
-    /// The rest poses differ.
-    fn move_to(&mut self, character: &Examples, places: &[Option<usize>]) -> Result<(), Error> {
-        if let Some(conversion) = Conversion::between(&self.space, &character.space) {
-            let moved = self.skeleton.rest.iter_mut().chain(&mut self.transforms);
-            moved.for_each(|map| *map = conversion.transform(map));
-        }
-        let own = |joint: usize| origin(&character.skeleton.rest[joint]);
-        let pairs = |rest: &[Matrix3x4]| -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
-            let pair = |(joint, place): (usize, &Option<usize>)| {
-                Some((origin(&rest[(*place)?]), own(joint)))
-            };
-            places.iter().enumerate().filter_map(pair).unzip()
-        };
-        let diagonal = character.diagonal();
-        let (from, to) = pairs(&self.skeleton.rest);
-        if apart(&from, &to) > SAME_REST * diagonal
-            && let Ok(similarity) = align::meshes(&from, &to)
-        {
-            similarity.move_joints(&mut self.skeleton, &mut self.transforms);
-        }
-        let (from, to) = pairs(&self.skeleton.rest);
-        let share = apart(&from, &to) / diagonal;
-        if share > SAME_REST {
-            let percent = 100.0 * share;
-            return Err(Error::mismatch(format!(
-                "its joints at rest are not the character's: off by {percent:.1} % of the diagonal; export the skeleton \
-                 in its rest pose, with the animation, or give --mesh a file that says its axes"
-            )));
-        }
-        Ok(())
+    let pairs = |rest: &[Matrix3x4]| -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+        let all = places.iter().zip(&character.skeleton.rest);
+        all.filter_map(|(place, own)| Some((origin(&rest[(*place)?]), origin(own)))).unzip()
+    };
+    let diagonal = character.diagonal();
+    let (from, to) = pairs(&rest);
+    if apart(&from, &to) > SAME_REST * diagonal
+        && let Ok(similarity) = align::meshes(&from, &to)
+    {
+        similarity.move_joints(&mut rest, &mut transforms);
     }
+    let (from, to) = pairs(&rest);
+    let share = apart(&from, &to) / diagonal;
+    if share > SAME_REST {
+        let percent = 100.0 * share;
+        return Err(Error::mismatch(format!(
+            "its joints at rest are not the character's: off by {percent:.1} % of the diagonal; export the skeleton \
+             in its rest pose, with the animation, or give --mesh a file that says its axes"
+        )));
+    }
+    Ok(transforms)
 }
 
 /// Computes the maps from rest pose to pose of an animation's joints from the character's rest pose, frame-major, in
@@ -213,14 +187,14 @@ fn of_character_rest(
         return None;
     }
     let conversion = Conversion::between(&motion.space, &character.space);
-    let conversion = conversion.unwrap_or(Conversion::new(Matrix3::identity(), 1.0));
+    let conversion = conversion.unwrap_or(Conversion { axes: Matrix3::identity(), scale: 1.0 });
     if conversion.is_mirrored() {
         return None;
     }
     let frame = |world: &Matrix4<f64>| -> Option<Frame> {
         let (turn, _) = so3::polar(&world.fixed_view::<3, 3>(0, 0).into_owned())?;
         let origin = world.fixed_view::<3, 1>(0, 3).into_owned();
-        Some((conversion.axes() * turn, conversion.point(origin.into()).into()))
+        Some((conversion.axes * turn, conversion.point(origin.into()).into()))
     };
     let posed: Vec<Frame> = motion.frames.iter().map(frame).collect::<Option<_>>()?;
     let rest: Vec<Frame> = character.skeleton.rest.iter().map(parts).collect();

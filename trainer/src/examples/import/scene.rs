@@ -1,9 +1,8 @@
 //! Converts a scene, with separate posed meshes or its own, to examples.
 
-use nalgebra::{Matrix3, Matrix4};
-
-use super::align::{self, Similarity, is_shuffled};
-use super::clips::{PosedClips, check_even, selected, selected_rows};
+use super::align::{self, is_shuffled};
+use super::clips::{best_order, check_even, frame_len, selected, selected_rows};
+use super::joined::Loaded;
 use super::matched::{arranged, matched};
 use super::targets::TargetMeshes;
 use crate::Error;
@@ -13,12 +12,10 @@ use crate::examples::{Clip, Examples, Matrix3x4, RIGID, Skeleton, Split, Warning
 use crate::formats::FormatWarning;
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::{SampledScene, Sampling, faults};
-use crate::mesh::Surface;
+use nalgebra::{Matrix3, Matrix4};
+use std::mem::take;
 
-/// Unchecked examples, their clips, and warnings.
-type Joined = (Examples, Vec<Clip>, Vec<Warning>);
-
-/// Joins poses with posed meshes from `targets`, or with the scene's own meshes.
+/// Joins poses with posed meshes from `targets`, or with the scene's own meshes. The examples are not checked.
 ///
 /// If the targets have a rest mesh, it defines the space and unit, and the joints move there. Otherwise the targets
 /// move to the joints. If the targets cover more clips than requested, the other clips are removed.
@@ -33,76 +30,72 @@ pub(super) fn join(
     mut scene: SampledScene,
     targets: Option<TargetMeshes>,
     sampling: &Sampling<'_>,
-) -> Result<Joined, Error> {
-    let mut poses = ScenePoses::of(&mut scene)?;
+) -> Result<Loaded, Error> {
+    let (shapes, morphs) = (scene.shapes.take(), scene.morphs);
+    let mut loaded = poses(scene)?;
     let Some(targets) = targets else {
-        if !scene.morphs {
-            poses.warnings.push(Warning::PlainSkin);
+        if !morphs {
+            loaded.warnings.push(Warning::PlainSkin);
         }
-        let vertices = scene.shapes.take().ok_or_else(no_shapes)?;
-        let (mut examples, clips, warnings) = to_examples(scene, poses, vertices, None);
-        examples.own_skin = true;
-        return Ok((examples, clips, warnings));
+        loaded.examples.vertices = shapes.ok_or_else(no_shapes)?;
+        loaded.examples.own_skin = true;
+        return Ok(unscaled(loaded));
     };
     // Checked first: otherwise positions that are not finite would be reported as far from the joints.
-    targets.check_numbers(&scene.clips)?;
+    targets.check_numbers(&loaded.clips)?;
     if sampling.fps.is_none() {
-        check_even(&scene.clips)?;
+        check_even(&loaded.clips)?;
     }
     let path = targets.path.clone();
-    let all = join_targets(scene, poses, targets).map_err(|error| error.in_file(path))?;
-    Ok(cut(all, sampling))
+    let all = join_targets(loaded, targets).map_err(|error| error.in_file(path))?;
+    Ok(cut(unscaled(all), sampling))
+}
+
+/// Removes the scale of idle joints.
+fn unscaled(mut loaded: Loaded) -> Loaded {
+    loaded.warnings.extend(loaded.examples.unscale_idle_joints());
+    loaded
 }
 
 /// Joins poses with posed meshes of all clips. Every error is about the posed meshes.
-fn join_targets(
-    mut scene: SampledScene,
-    mut poses: ScenePoses,
-    targets: TargetMeshes,
-) -> Result<Joined, Error> {
-    let TargetMeshes { meshes, mut split, missing, .. } = targets;
-    let surface = Surface {
-        positions: &scene.rest,
-        triangles: &scene.triangles,
-        engine: scene.engine.as_ref(),
-    };
-    let meshes = arranged(&scene.ranges, scene.rest.len(), meshes, &mut poses.warnings);
-    let meshes = matched(&surface, meshes)?;
-    check_frames(&scene, &meshes, missing)?;
-    let PosedMeshes { mut vertices, rest, triangles, .. } = meshes;
-    let clips = &scene.clips;
+fn join_targets(loaded: Loaded, targets: TargetMeshes) -> Result<Loaded, Error> {
+    let Loaded { mut examples, clips, mut warnings } = loaded;
+    let TargetMeshes { meshes, split, missing, .. } = targets;
+    let meshes = arranged(&examples.ranges, examples.vertex_len(), meshes, &mut warnings);
+    let meshes = matched(&examples.surface(), meshes)?;
+    check_frames(&clips, &meshes, missing)?;
+    let PosedMeshes { vertices, rest, triangles, .. } = meshes;
+    examples.vertices = vertices;
+    examples.split = split.unwrap_or(examples.split);
     match rest {
         Some(rest) => {
-            let similarity = align::meshes(&scene.rest, &rest).map_err(align::targets_apart)?;
-            similarity.move_joints(&mut poses.skeleton, &mut poses.transforms);
-            scene.space = similarity.space(&scene.space);
-            poses.report_move(&similarity, "joints");
-            poses.sort(&rest, &mut vertices, &mut split, clips, true)?;
-            scene.rest = rest;
-            similarity.turn(scene.engine.as_mut());
+            let similarity = align::meshes(&examples.rest, &rest).map_err(align::targets_apart)?;
+            similarity.move_joints(&mut examples.skeleton.rest, &mut examples.transforms);
+            examples.space = similarity.space(&examples.space);
+            warnings.extend(similarity.warning("joints"));
+            examples.rest = rest;
+            warnings.extend(sort(&mut examples, &clips, true)?);
+            similarity.turn(examples.engine.as_mut());
             // Authored data belongs to the scene's own triangles.
-            let others = triangles.filter(|_| scene.engine.is_none());
-            scene.triangles = others.unwrap_or(scene.triangles);
+            let others = triangles.filter(|_| examples.engine.is_none());
+            examples.triangles = others.unwrap_or(examples.triangles);
         }
         None => {
-            poses.sort(&scene.rest, &mut vertices, &mut split, clips, false)?;
-            let similarity = align::poses(&scene.rest, &poses.transforms, &vertices);
-            let similarity = similarity.map_err(|error| {
-                let shuffled = is_shuffled(&scene.rest, &poses.transforms, &vertices);
-                if shuffled { vertex_order() } else { error }
-            })?;
-            similarity.move_points(&mut vertices);
-            poses.report_move(&similarity, "targets");
+            warnings.extend(sort(&mut examples, &clips, false)?);
+            let similarity = align::poses(&examples)
+                .map_err(|error| if is_shuffled(&examples) { vertex_order() } else { error })?;
+            similarity.move_points(&mut examples.vertices);
+            warnings.extend(similarity.warning("targets"));
         }
     }
-    let weights = scene.joint_weights.as_deref().unwrap_or_default();
-    let rows = weights.chunks_exact(scene.names.len().max(1));
+    let weights = examples.joint_weights.as_deref().unwrap_or_default();
+    let rows = weights.chunks_exact(examples.joint_len().max(1));
     let count = rows.filter(|row| row.iter().all(|weight| *weight == 0.0)).count();
     if count > 0 {
         let unweighted = FormatWarning::Unweighted { count, follow: "the targets" };
-        poses.warnings.push(unweighted.into());
+        warnings.push(unweighted.into());
     }
-    Ok(to_examples(scene, poses, vertices, split))
+    Ok(Loaded { examples, clips, warnings })
 }
 
 fn no_shapes() -> Error {
@@ -120,179 +113,122 @@ fn vertex_order() -> Error {
 }
 
 /// Removes the frames of clips that were not requested.
-fn cut((mut examples, clips, mut warnings): Joined, sampling: &Sampling<'_>) -> Joined {
+fn cut(Loaded { mut examples, clips, mut warnings }: Loaded, sampling: &Sampling<'_>) -> Loaded {
     let held = examples.frame_len();
     let (clips, frames) = selected(clips, sampling);
-    let Some(frames) = frames else { return (examples, clips, warnings) };
-    let names = clips.iter().map(|clip| clip.name.clone()).collect();
-    warnings.push(Warning::TargetsCut { clips: names, frames: frames.len(), held });
-    let (vertex_len, joint_len) = (examples.vertex_len(), examples.joint_len());
-    examples.vertices = selected_rows(examples.vertices, vertex_len, Some(&frames));
-    examples.transforms = selected_rows(examples.transforms, joint_len, Some(&frames));
-    examples.split = selected_rows(examples.split, 1, Some(&frames));
-    (examples, clips, warnings)
+    if let Some(frames) = frames {
+        let names = clips.iter().map(|clip| clip.name.clone()).collect();
+        warnings.push(Warning::TargetsCut { clips: names, frames: frames.len(), held });
+        take_meshes(&mut examples, &frames);
+        let joint_len = examples.joint_len();
+        examples.transforms = selected_rows(examples.transforms, joint_len, Some(&frames));
+    }
+    Loaded { examples, clips, warnings }
 }
 
-/// Returns the poses with the rest mesh in every frame.
+/// Takes the posed meshes and uses of some frames.
+fn take_meshes(examples: &mut Examples, frames: &[usize]) {
+    let vertex_len = examples.vertex_len();
+    examples.vertices = selected_rows(take(&mut examples.vertices), vertex_len, Some(frames));
+    examples.split = selected_rows(take(&mut examples.split), 1, Some(frames));
+}
+
+/// Returns the poses with the rest mesh in every frame. The examples are not checked.
 ///
 /// # Errors
 /// A bind matrix has no inverse, a number is not finite, or a number of the rest mesh is too large.
-pub(super) fn still(mut scene: SampledScene) -> Result<Joined, Error> {
-    let poses = ScenePoses::of(&mut scene)?;
-    let vertices = scene.rest.repeat(frame_len(&scene));
-    Ok(to_examples(scene, poses, vertices, None))
+pub(super) fn still(scene: SampledScene) -> Result<Loaded, Error> {
+    let mut loaded = poses(scene)?;
+    loaded.examples.vertices = loaded.examples.rest.repeat(loaded.examples.frame_len());
+    Ok(unscaled(loaded))
 }
 
-/// Poses of a scene, as maps from the rest pose.
-struct ScenePoses {
-    skeleton: Skeleton,
-    transforms: Vec<Matrix3x4>,
-    warnings: Vec<Warning>,
-}
-
-impl ScenePoses {
-    /// Converts a scene's poses to maps from the rest pose, on a skeleton with one root. The maps are rigid if the
-    /// scene's are.
-    ///
-    /// Mesh and joints of a scene may have different units. The rest mesh is scaled to the joints' unit.
-    ///
-    /// # Errors
-    /// A bind matrix has no inverse, a number is not finite, or a number of the rest mesh is too large.
-    fn of(scene: &mut SampledScene) -> Result<Self, Error> {
-        let origin = Origin::SCENE;
-        numbers(origin.rest, scene.rest.iter().map(<[_; 3]>::as_slice), None, vertex, |_| true)?;
-        let joint = |number: usize| format!("joint {}", scene.names[number]);
-        let frames = scene.frames.iter().map(Matrix4::as_slice);
-        numbers(origin.pose, frames, Some(scene.binds.len()), joint, |_| false)?;
-        let mut inverses = Vec::with_capacity(scene.binds.len());
-        for (bind, name) in scene.binds.iter().zip(&scene.names) {
-            inverses.push(bind.try_inverse().ok_or_else(|| faults::singular_bind(name))?);
-        }
-        let joint_len = scene.binds.len().max(1);
-        let maps = scene.frames.iter().enumerate();
-        let mut maps: Vec<_> =
-            maps.map(|(number, frame)| frame * inverses[number % joint_len]).collect();
-        let idle = idle(scene.joint_weights.as_deref(), &scene.parents);
-        let scale = unscale(&mut maps, &idle);
-        for position in scene.rest.as_flattened_mut() {
-            *position *= scale;
-        }
-        let mut warnings = scene.warnings.drain(..).map(Warning::from).collect();
-        let (parents, roots) = join_roots(&scene.names, scene.parents.clone(), &mut warnings);
-        let rest = scene.binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
-        let skeleton =
-            Skeleton { names: scene.names.clone(), parents, roots, unplaced: Vec::new(), rest };
-        Ok(Self { skeleton, transforms: maps.iter().map(rows).collect(), warnings })
+/// Converts a scene to examples without posed meshes, on a skeleton with one root. The maps are rigid if the scene's
+/// are.
+///
+/// Mesh and joints of a scene may have different units. The rest mesh is scaled to the joints' unit.
+///
+/// # Errors
+/// A bind matrix has no inverse, a number is not finite, or a number of the rest mesh is too large.
+fn poses(scene: SampledScene) -> Result<Loaded, Error> {
+    let SampledScene { mut rest, names, parents, binds, frames, clips, joint_weights, .. } = scene;
+    numbers(Origin::SCENE.rest, &rest, None, vertex)?;
+    let joint = |number: usize| format!("joint {}", names[number]);
+    let all = frames.iter().map(Matrix4::as_slice);
+    numbers(Origin::SCENE.pose, all, Some((binds.len(), &|_| false)), joint)?;
+    let mut inverses = Vec::with_capacity(binds.len());
+    for (bind, name) in binds.iter().zip(&names) {
+        inverses.push(bind.try_inverse().ok_or_else(|| faults::singular_bind(name))?);
     }
-
-    /// Sorts posed meshes (N x V) and the split into the clips' order, if they follow another order.
-    ///
-    /// # Errors
-    /// Several orders fit.
-    fn sort(
-        &mut self,
-        rest: &[[f64; 3]],
-        vertices: &mut Vec<[f64; 3]>,
-        split: &mut Option<Vec<Split>>,
-        clips: &[Clip],
-        placed: bool,
-    ) -> Result<(), Error> {
-        let lens: Vec<usize> = clips.iter().map(|clip| clip.times.len()).collect();
-        let transforms = &self.transforms;
-        let given = PosedClips { rest, transforms, posed: vertices, lens: &lens, placed };
-        let Some(order) = given.order() else { return Ok(()) };
-        let other: Vec<_> = order.clips.iter().map(|&clip| clips[clip].name.clone()).collect();
-        if order.is_one_of_several {
-            let given: Vec<_> = clips.iter().map(|clip| clip.name.as_str()).collect();
-            return Err(Error::mismatch(format!(
-                "its meshes do not follow the scene's clips in their order, {}, but may in several others, as {}: export \
-                 the meshes over the clips in the scene's order",
-                given.join(", "),
-                other.join(", ")
-            )));
-        }
-        *vertices = order.sorted(vertices, rest.len(), &lens);
-        if let Some(split) = split {
-            *split = order.sorted(split, 1, &lens);
-        }
-        self.warnings.push(Warning::ClipsSorted { clips: other, percent: order.percent });
-        Ok(())
-    }
-
-    fn report_move(&mut self, similarity: &Similarity, what: &'static str) {
-        if !similarity.is_identity() {
-            self.warnings.push(Warning::Moved { what, how: similarity.to_string() });
-        }
-    }
-}
-
-fn to_examples(
-    scene: SampledScene,
-    poses: ScenePoses,
-    vertices: Vec<[f64; 3]>,
-    split: Option<Vec<Split>>,
-) -> Joined {
-    let split = split.unwrap_or_else(|| vec![Split::Train; frame_len(&scene)]);
-    let SampledScene { rest, triangles, engine, ranges, joint_weights, space, clips, .. } = scene;
-    let ScenePoses { skeleton, transforms, mut warnings } = poses;
-    let mut examples = Examples {
+    let maps = frames.iter().zip(inverses.iter().cycle());
+    let mut maps: Vec<_> = maps.map(|(frame, inverse)| frame * inverse).collect();
+    let idle = idle(joint_weights.as_deref(), &parents);
+    let scale = unscale(&mut maps, &idle);
+    rest.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
+    let mut warnings = scene.warnings.into_iter().map(Warning::from).collect();
+    let (parents, roots) = join_roots(&names, parents, &mut warnings);
+    let bound = binds.iter().map(|bind| rows(&rest_frame(bind, scale))).collect();
+    let examples = Examples {
         rest,
-        triangles,
-        engine,
-        skeleton,
-        vertices,
-        transforms,
-        split,
-        ranges,
+        triangles: scene.triangles,
+        engine: scene.engine,
+        skeleton: Skeleton { names, parents, roots, rest: bound, ..Skeleton::default() },
+        transforms: maps.iter().map(rows).collect(),
+        split: vec![Split::Train; frame_len(&clips)],
+        ranges: scene.ranges,
         clip_starts: clips.iter().map(|clip| clip.first).collect(),
-        space,
+        space: scene.space,
         joint_weights,
-        importance: None,
-        frame_weights: None,
-        own_skin: false,
+        ..Examples::default()
     };
-    warnings.extend(examples.unscale_idle_joints());
-    (examples, clips, warnings)
+    Ok(Loaded { examples, clips, warnings })
 }
 
-/// Counts the frames of a scene's clips.
-pub(super) fn frame_len(scene: &SampledScene) -> usize {
-    scene.clips.iter().map(|clip| clip.times.len()).sum()
-}
-
-fn check_frames(
-    scene: &SampledScene,
-    meshes: &PosedMeshes,
-    mut missing: Vec<String>,
-) -> Result<(), Error> {
-    let (expected, found) = (frame_len(scene), meshes.frame_len());
-    if expected != found {
-        let clips: Vec<_> = scene.clips.iter().map(Clip::describe).collect();
-        // A numbered sequence may also skip the frames between clips.
-        if found + missing.len() != expected {
-            missing.clear();
-        }
+/// Sorts the posed meshes and their uses into the clips' order, if they follow another order; returns a warning then.
+///
+/// # Errors
+/// Several orders fit.
+fn sort(examples: &mut Examples, clips: &[Clip], placed: bool) -> Result<Option<Warning>, Error> {
+    let Some(order) = best_order(examples, clips, placed) else { return Ok(None) };
+    let other: Vec<_> = order.clips.iter().map(|&clip| clips[clip].name.clone()).collect();
+    if order.is_one_of_several {
+        let given: Vec<_> = clips.iter().map(|clip| clip.name.as_str()).collect();
         return Err(Error::mismatch(format!(
-            "holds {found} meshes, the scene's clips have {expected} frames ({}): {}",
-            clips.join(", "),
-            remedy(&missing)
+            "its meshes do not follow the scene's clips in their order, {}, but may in several others, as {}: export \
+             the meshes over the clips in the scene's order",
+            given.join(", "),
+            other.join(", ")
         )));
     }
-    Ok(())
+    take_meshes(examples, &order.frames(clips));
+    Ok(Some(Warning::ClipsSorted { clips: other, percent: order.percent }))
 }
 
-/// Returns the advice for a wrong number of meshes.
+/// Checks the number of posed meshes.
 ///
 /// - `missing`: files missing from a numbered sequence.
-fn remedy(missing: &[String]) -> String {
-    match missing {
-        [] => "export both over the same frames, choose the clip with --clip, or sample it at the meshes' rate with \
-               --fps"
-            .to_owned(),
-        [one] => format!("{one} is missing"),
-        [one, two] => format!("{one} and {two} are missing"),
-        [one, others @ ..] => format!("{one} and {} others are missing", others.len()),
+fn check_frames(clips: &[Clip], meshes: &PosedMeshes, missing: Vec<String>) -> Result<(), Error> {
+    let (expected, found) = (frame_len(clips), meshes.frame_len());
+    if expected == found {
+        return Ok(());
     }
+    // A numbered sequence may also skip the frames between clips.
+    let explains = found + missing.len() == expected;
+    let remedy = match missing.as_slice() {
+        [one] if explains => format!("{one} is missing"),
+        [one, two] if explains => format!("{one} and {two} are missing"),
+        [one, others @ ..] if explains => {
+            format!("{one} and {} others are missing", others.len())
+        }
+        _ => "export both over the same frames, choose the clip with --clip, or sample it at the meshes' rate with \
+              --fps"
+            .to_owned(),
+    };
+    let clips: Vec<_> = clips.iter().map(Clip::describe).collect();
+    Err(Error::mismatch(format!(
+        "holds {found} meshes, the scene's clips have {expected} frames ({}): {remedy}",
+        clips.join(", ")
+    )))
 }
 
 /// Divides maps by their common scale and returns the scale. Returns 1 if the maps are rigid or have no common scale,

@@ -1,5 +1,6 @@
 //! Loads examples from every supported format.
 
+use super::clips::frame_len;
 use super::joined::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
@@ -32,14 +33,8 @@ pub struct Source<'a> {
 impl<'a> Source<'a> {
     /// Creates a source from a single file.
     pub fn file(file: &'a Path) -> Self {
-        Self {
-            file,
-            targets: None,
-            fps: None,
-            clips: &[],
-            still: false,
-            names: JointNames::default(),
-        }
+        let names = JointNames::default();
+        Self { file, targets: None, fps: None, clips: &[], still: false, names }
     }
 
     /// Lists the files that loading reads, if they exist.
@@ -85,11 +80,11 @@ impl<'a> Source<'a> {
     /// Returns the scene with all clips if only some are requested but the posed meshes cover all.
     fn with_all_clips(&self, scene: SampledScene, targets: Option<&TargetMeshes>) -> SampledScene {
         let Some(held) = targets.map(|targets| targets.meshes.frame_len()) else { return scene };
-        if self.clips.is_empty() || held == scene::frame_len(&scene) {
+        if self.clips.is_empty() || held == frame_len(&scene.clips) {
             return scene;
         }
         let all = self.scene(&Sampling { clips: &[], ..self.sampling(false) }).ok().flatten();
-        all.filter(|all| held == scene::frame_len(all)).unwrap_or(scene)
+        all.filter(|all| held == frame_len(&all.clips)).unwrap_or(scene)
     }
 
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
@@ -121,14 +116,12 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, Error> {
         let sampling = source.sampling(source.targets.is_none());
         let Some(scene) = source.scene(&sampling)? else {
             source.check_whole()?;
-            return npz::load_clips(source.file, &sampling);
+            return Ok(npz::load_clips(source.file, &sampling)?.0);
         };
         let targets = source.targets.map(targets::read).transpose()?;
         let scene = source.with_all_clips(scene, targets.as_ref());
-        let (examples, clips, mut warnings) = scene::join(scene, targets, &sampling)?;
-        let origin = Origin { posed_file: source.targets, ..Origin::SCENE };
-        warnings.extend(examples.validate_of(&origin)?);
-        Ok(Loaded { examples, clips, warnings })
+        let loaded = scene::join(scene, targets, &sampling)?;
+        loaded.checked(&Origin { posed_file: source.targets, ..Origin::SCENE })
     };
     load().map_err(|error: Error| error.in_file(source.file))
 }
@@ -148,10 +141,9 @@ pub fn load_poses(source: &Source<'_>) -> Result<Loaded, Error> {
             rename(&mut loaded.examples, &source.names)?;
             return Ok(loaded);
         };
-        let (mut examples, clips, mut warnings) = scene::still(scene)?;
-        rename(&mut examples, &source.names)?;
-        warnings.extend(examples.validate_of(&Origin::SCENE)?);
-        Ok(Loaded { examples, clips, warnings })
+        let mut loaded = scene::still(scene)?;
+        rename(&mut loaded.examples, &source.names)?;
+        loaded.checked(&Origin::SCENE)
     };
     load().map_err(|error: Error| error.in_file(source.file))
 }

@@ -1,13 +1,12 @@
 //! Finds a model in an artist's file: the model's vertices among those of the meshes, by position.
 
-use std::collections::HashMap;
-
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::examples::{Matrix3x4, spread};
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
+use crate::numeric::grid::Grid;
 use crate::space::{SCALES, rotations};
 
 /// Largest distance between a vertex of the file and the same vertex of the model, in the model's diagonals.
@@ -57,13 +56,14 @@ impl Found {
             (None, None) => Matrix4::identity(),
         };
         let unit = at_rest.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
-        let places = Places::new(rest, SAME_PLACE * diagonal);
+        let places = Grid::new(rest, SAME_PLACE * diagonal);
         let sample: Vec<_> = file.meshes.iter().flat_map(sample).collect();
         let unmoved = Candidate { to_model: Matrix4::identity(), turned: false, bound: true };
         let mut best = (0, unmoved);
         for candidate in candidates(&at_rest, unit) {
-            let there =
-                |x: &&Point3<f64>| places.at(candidate.to_model.transform_point(x), None).is_some();
+            let there = |x: &&Point3<f64>| {
+                point_at(&places, candidate.to_model.transform_point(x), None).is_some()
+            };
             let count = sample.iter().filter(there).count();
             if count > best.0 {
                 best = (count, candidate);
@@ -136,7 +136,7 @@ fn sample(mesh: &RiggedMesh) -> impl Iterator<Item = Point3<f64>> {
 /// A mesh has some of the model's vertices and others.
 fn match_all(
     file: &RiggedFile,
-    places: &Places<'_>,
+    places: &Grid<'_>,
     to_model: &Matrix4<f64>,
 ) -> Result<Vec<Option<Vec<Vec<usize>>>>, Error> {
     let mut first = 0;
@@ -153,8 +153,8 @@ fn match_all(
                 continue;
             }
             for x in positions {
-                let vertex =
-                    places.at(to_model.transform_point(&Point3::from(*x)), Some(first + number));
+                let place = to_model.transform_point(&Point3::from(*x));
+                let vertex = point_at(places, place, Some(first + number));
                 match vertex {
                     Some(_) => found += 1,
                     None => missing = missing.or(Some((number, *x))),
@@ -171,7 +171,7 @@ fn match_all(
                 for (vertices, positions) in primitives.iter_mut().zip(&mesh.positions) {
                     if vertices.is_empty() {
                         let place = |x: &[f64; 3]| to_model.transform_point(&Point3::from(*x));
-                        let nearest = |x| places.nearest(place(x));
+                        let nearest = |x| nearest(places.points, place(x));
                         *vertices = positions.par_iter().map(nearest).collect();
                     }
                 }
@@ -191,46 +191,20 @@ fn match_all(
     Ok(all)
 }
 
-/// Points in cells; a cell is as wide as the tolerance.
-struct Places<'a> {
-    points: &'a [[f64; 3]],
-    near: f64,
-    cells: HashMap<[i64; 3], Vec<usize>>,
+/// Returns the point nearest to a position.
+fn nearest(points: &[[f64; 3]], place: Point3<f64>) -> usize {
+    let distance = |point: &[f64; 3]| (Vector3::from(*point) - place.coords).norm_squared();
+    let all = points.iter().map(distance).enumerate();
+    all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(number, _)| number)
 }
 
-impl<'a> Places<'a> {
-    fn new(points: &'a [[f64; 3]], near: f64) -> Self {
-        let near = near.max(f64::MIN_POSITIVE);
-        let mut cells: HashMap<_, Vec<usize>> = HashMap::new();
-        for (number, point) in points.iter().enumerate() {
-            cells.entry(point.map(|x| (x / near).floor() as i64)).or_default().push(number);
-        }
-        Self { points, near, cells }
-    }
-
-    /// Returns the point nearest to a position.
-    fn nearest(&self, place: Point3<f64>) -> usize {
-        let distance = |point: &[f64; 3]| (Vector3::from(*point) - place.coords).norm_squared();
-        let all = self.points.iter().map(distance).enumerate();
-        all.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(number, _)| number)
-    }
-
-    /// Returns the point at a position: the expected point if it is there, which separates points with a common
-    /// position; else the nearest point, the first of several.
-    fn at(&self, place: Point3<f64>, expected: Option<usize>) -> Option<usize> {
-        let distance = |number: usize| (Vector3::from(self.points[number]) - place.coords).norm();
-        let expected = expected.filter(|&number| number < self.points.len());
-        if let Some(number) = expected.filter(|&number| distance(number) <= self.near) {
-            return Some(number);
-        }
-        let cell: [i64; 3] = place.coords.map(|x| (x / self.near).floor() as i64).into();
-        let cells = (0..27).filter_map(|at| {
-            let [x, y, z] = cell;
-            let beside = |x: i64, step: i64| x.saturating_add(step - 1);
-            self.cells.get(&[beside(x, at % 3), beside(y, at / 3 % 3), beside(z, at / 9)])
-        });
-        let near = cells.flatten().map(|&number| (distance(number), number));
-        let near = near.filter(|(distance, _)| *distance <= self.near);
-        near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, number)| number)
-    }
+/// Returns the point at a position: the expected point if it is there, which separates points with a common position;
+/// else the nearest point, the first of several.
+fn point_at(places: &Grid<'_>, place: Point3<f64>, expected: Option<usize>) -> Option<usize> {
+    let place: [f64; 3] = place.coords.into();
+    let distance = |number: usize| places.distance(number, place);
+    expected.filter(|&number| distance(number) <= places.reach).or_else(|| {
+        let near = places.near(place).into_iter();
+        near.min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    })
 }

@@ -6,11 +6,9 @@ use serde_json::Value;
 use super::find::Found;
 use crate::Error;
 use crate::examples::{Matrix3x4, Skeleton};
-use crate::export::skeleton::{
-    Carrier, continuous, isometry, parents_first, quaternion, square, track,
-};
+use crate::export::skeleton::{Carrier, isometry, joint_tracks, parents_first, quaternion, square};
 use crate::formats::gltf::rigged::RiggedFile;
-use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
+use crate::formats::gltf::write::{Document, NodeIndex, Placed, Track};
 use crate::formats::scene::{JointNames, mismatch};
 
 /// Relative difference below which a scale equals that of its node.
@@ -30,19 +28,16 @@ pub(super) struct OwnJoints {
     /// Frames of the joints in the model's rest pose.
     frames: Vec<Isometry3<f64>>,
     /// Length of each node's unit in the model.
-    units: Vec<f64>,
+    pub(super) units: Vec<f64>,
     /// Scale of each node without animation.
     scales: Vec<[f32; 3]>,
     names: Vec<String>,
     to_world: Matrix4<f64>,
-    tree: Tree,
-}
-
-/// All nodes, and their transforms at rest.
-struct Tree {
+    /// Parents of all nodes.
     parents: Vec<Option<usize>>,
+    /// Transforms of all nodes at rest.
     locals: Vec<Matrix4<f64>>,
-    /// Nodes in order, parents before children.
+    /// All nodes in order, parents before children.
     order: Vec<usize>,
 }
 
@@ -90,7 +85,6 @@ impl OwnJoints {
         let worlds = file.worlds();
         let from_world = found.at_rest.try_inverse().unwrap_or_else(Matrix4::identity);
         let len = known.len();
-        let RiggedFile { parents, locals, order, .. } = file.clone();
         let mut joints = Self {
             nodes: vec![0; len],
             added: Vec::new(),
@@ -99,7 +93,9 @@ impl OwnJoints {
             scales: vec![[1.0; 3]; len],
             names: skeleton.names.clone(),
             to_world: found.to_world,
-            tree: Tree { parents, locals, order },
+            parents: file.parents.clone(),
+            locals: file.locals.clone(),
+            order: file.order.clone(),
         };
         let world_unit = scale(&joints.to_world);
         for joint in parents_first(&skeleton.parents) {
@@ -112,7 +108,7 @@ impl OwnJoints {
                 }
                 joints.units[joint] = scale(&frame);
                 joints.frames[joint] = isometry(&(frame * even(1.0 / scale(&frame))));
-                part_matrix(&mut document.nodes[node], &joints.tree.locals[node])
+                part_matrix(&mut document.nodes[node], &joints.locals[node])
                     .ok_or_else(|| joints.uneven(joint))?;
                 joints.scales[joint] = stated_scale(&document.nodes[node]);
                 continue;
@@ -124,7 +120,9 @@ impl OwnJoints {
             // The transform is set below, when the parent's is known.
             let name = skeleton.names[joint].clone();
             joints.nodes[joint] = document.node(name.clone(), parent, &Placed::AT_PARENT);
-            joints.tree.add(parent);
+            joints.order.push(joints.parents.len());
+            joints.parents.push(parent);
+            joints.locals.push(Matrix4::identity());
             joints.added.push(name);
         }
         let still = vec![Matrix4::identity(); len];
@@ -132,7 +130,7 @@ impl OwnJoints {
         for (joint, &node) in joints.nodes.iter().enumerate() {
             if known[joint].is_none() {
                 rest[joint].state(&mut document.nodes[node]);
-                joints.tree.locals[node] = local(&rest[joint]);
+                joints.locals[node] = local(&rest[joint]);
                 joints.scales[joint] = rest[joint].scale;
             }
         }
@@ -148,11 +146,6 @@ impl OwnJoints {
     /// Returns the map from the model's rest mesh to a joint's space.
     pub(super) fn inverse_bind(&self, joint: usize) -> Matrix4<f64> {
         even(1.0 / self.units[joint]) * self.frames[joint].inverse().to_homogeneous()
-    }
-
-    /// Returns the length of a joint's unit in the model.
-    pub(super) fn unit(&self, joint: usize) -> f64 {
-        self.units[joint]
     }
 
     /// Makes the tracks of the joints through poses at these times. A pose has J maps from the rest pose. Also returns
@@ -171,35 +164,24 @@ impl OwnJoints {
         });
         let keys = keys.collect::<Result<Vec<_>, _>>()?;
         let (keys, reached): (Vec<Vec<Placed>>, Vec<_>) = keys.into_iter().unzip();
-        let mut tracks = Vec::new();
-        for (joint, &node) in self.nodes.iter().enumerate() {
-            let translations = keys.iter().map(|pose| pose[joint].translation).collect();
-            let rotations = keys.iter().map(|pose| pose[joint].rotation).collect();
-            tracks.push(track(node, ChannelKeys::Translation(translations), times));
-            tracks.push(track(node, ChannelKeys::Rotation(continuous(rotations)), times));
-            if keys.iter().any(|pose| pose[joint].scale != self.scales[joint]) {
-                let scales = keys.iter().map(|pose| pose[joint].scale).collect();
-                tracks.push(track(node, ChannelKeys::Scale(scales), times));
-            }
-        }
-        Ok((tracks, reached))
+        Ok((joint_tracks(&self.nodes, &self.scales, &keys, times), reached))
     }
 
     /// Places each joint relative to its parent's rounded transform, so that rounding does not accumulate along a
     /// chain. Also returns the rounded frames in the model.
     fn place(&self, maps: &[Matrix4<f64>]) -> Result<(Vec<Placed>, Vec<Isometry3<f64>>), Error> {
-        let mut joint_of = vec![None; self.tree.locals.len()];
+        let mut joint_of = vec![None; self.locals.len()];
         for (joint, &node) in self.nodes.iter().enumerate() {
             joint_of[node] = Some(joint);
         }
         let from_world = self.to_world.try_inverse().unwrap_or_else(Matrix4::identity);
         let mut placed = vec![Placed::AT_PARENT; self.nodes.len()];
         let mut reached = vec![Isometry3::identity(); self.nodes.len()];
-        let mut worlds = vec![Matrix4::identity(); self.tree.locals.len()];
-        for &node in &self.tree.order {
-            let above = self.tree.parents[node].map_or(Matrix4::identity(), |up| worlds[up]);
+        let mut worlds = vec![Matrix4::identity(); self.locals.len()];
+        for &node in &self.order {
+            let above = self.parents[node].map_or(Matrix4::identity(), |up| worlds[up]);
             let Some(joint) = joint_of[node] else {
-                worlds[node] = above * self.tree.locals[node];
+                worlds[node] = above * self.locals[node];
                 continue;
             };
             let uneven = || self.uneven(joint);
@@ -231,14 +213,6 @@ impl OwnJoints {
              exporting",
             self.names[joint]
         ))
-    }
-}
-
-impl Tree {
-    fn add(&mut self, parent: Option<usize>) {
-        self.order.push(self.parents.len());
-        self.parents.push(parent);
-        self.locals.push(Matrix4::identity());
     }
 }
 

@@ -11,7 +11,7 @@ mod tests;
 
 use super::posed_meshes::{Part, PosedMeshes};
 use crate::Error;
-use nalgebra::{Matrix4, Point3};
+use nalgebra::Matrix4;
 use objects::{Object, Schema, list};
 use ogawa::Archive;
 use schemas::{Mesh, Transform};
@@ -31,79 +31,85 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, Error> {
 /// Those of [`read`], except that the file cannot be read.
 fn parse(bytes: &[u8]) -> Result<PosedMeshes, Error> {
     let archive = Archive::new(bytes)?;
-    let Scene { transforms, meshes } = Scene::read(&archive)?;
+    let (transforms, meshes) = scene(&archive)?;
     let frame_len = frame_len(&transforms, &meshes)?;
-    let vertex_len = meshes.iter().map(|placed| placed.mesh.vertex_len).sum::<usize>();
+    let vertex_len = meshes.last().map_or(0, |placed| placed.part.range.end);
     let position_len = frame_len.saturating_mul(vertex_len);
     archive.spend(position_len.saturating_mul(size_of::<[f64; 3]>()))?;
-    let worlds: Vec<_> =
-        meshes.iter().map(|placed| World::new(&transforms, &placed.above)).collect();
-    let moved: usize = worlds.iter().map(World::factor_len).sum();
+    // For each mesh, the transforms above it, the root first, and their product if all are constant.
+    let worlds = meshes.iter().map(|placed| {
+        let above = placed.above.iter().rev().filter_map(|&above| transforms[above].as_ref());
+        let above: Vec<&Transform<'_>> = above.collect();
+        let constant = above.iter().all(|one| one.is_constant()).then(|| world(&above, 0));
+        (above, constant)
+    });
+    let worlds: Vec<_> = worlds.collect();
+    let moving = worlds.iter().filter(|(_, constant)| constant.is_none());
+    let moved: usize = moving.map(|(above, _)| above.len()).sum();
     archive.spend(frame_len.saturating_mul(moved).saturating_mul(size_of::<Matrix4<f64>>()))?;
 
     let mut vertices = Vec::with_capacity(position_len);
     for frame in 0..frame_len {
-        for (PlacedMesh { mesh, .. }, world) in meshes.iter().zip(&worlds) {
-            let world = world.at(frame);
-            vertices.extend(mesh.at(frame)?.map(|x| transform_point(&world, x)));
+        for (PlacedMesh { mesh, .. }, (above, constant)) in meshes.iter().zip(&worlds) {
+            let world = constant.unwrap_or_else(|| world(above, frame));
+            let place = |x: [f64; 3]| -> [f64; 3] { world.transform_point(&x.into()).into() };
+            vertices.extend(mesh.at(frame)?.map(place));
         }
     }
     let first = vertices.get(..vertex_len).unwrap_or_default();
     let triangles = triangles(&meshes, first);
+    let reference = meshes.iter().map(|PlacedMesh { mesh, .. }| mesh.reference.as_deref());
     Ok(PosedMeshes {
         triangles: (!triangles.is_empty()).then_some(triangles),
-        reference: reference(&meshes),
-        parts: parts(meshes),
+        reference: reference.collect::<Option<Vec<_>>>().map(|all| all.concat()),
+        parts: meshes.into_iter().map(|placed| placed.part).collect(),
         ..PosedMeshes::bare(vertex_len, vertices)
     })
-}
-
-/// The meshes of an archive, and the transforms that move them.
-struct Scene<'a> {
-    /// Transform of each object; `None` for objects of another kind.
-    transforms: Vec<Option<Transform<'a>>>,
-    meshes: Vec<PlacedMesh<'a>>,
 }
 
 /// A mesh and its place in the hierarchy.
 struct PlacedMesh<'a> {
     mesh: Mesh<'a>,
-    /// Names of the nearest transform above the mesh and of the mesh.
-    names: Vec<String>,
+    /// Names of the nearest transform above the mesh and of the mesh; vertices among those of all meshes.
+    part: Part,
     /// Objects of the transforms above the mesh, the nearest first.
     above: Vec<usize>,
 }
 
-/// The product of the transforms above a mesh.
-enum World<'t, 'a> {
-    Constant(Matrix4<f64>),
-    /// The transforms, the root first.
-    Moving(Vec<&'t Transform<'a>>),
+/// Transform of each object; `None` for objects of another kind.
+type Transforms<'a> = Vec<Option<Transform<'a>>>;
+
+/// Reads the meshes of an archive, and the transforms that move them.
+fn scene<'a>(archive: &'a Archive<'a>) -> Result<(Transforms<'a>, Vec<PlacedMesh<'a>>), Error> {
+    let (objects, metadata) = list(archive)?;
+    let mut transforms = Vec::with_capacity(objects.len());
+    let mut meshes = Vec::new();
+    let mut first = 0;
+    for (number, object) in objects.iter().enumerate() {
+        let is_transform = object.schema == Schema::Transform;
+        let transform = is_transform.then(|| Transform::read(object, &metadata)).transpose()?;
+        transforms.push(transform);
+        if object.schema == Schema::Mesh {
+            let above = above(&objects, &transforms, number);
+            let nearest = above.first().map(|&transform| &objects[transform].name);
+            let names = nearest.into_iter().chain([&object.name]).cloned().collect();
+            let mesh = Mesh::read(object, &metadata)?;
+            let range = first..first + mesh.vertex_len;
+            first = range.end;
+            meshes.push(PlacedMesh { mesh, part: Part { names, range }, above });
+        }
+    }
+    if meshes.is_empty() {
+        return Err(Error::missing(
+            "holds no polygon mesh: export the character's mesh, as polygons",
+        ));
+    }
+    Ok((transforms, meshes))
 }
 
-impl<'a> Scene<'a> {
-    fn read(archive: &'a Archive<'a>) -> Result<Self, Error> {
-        let (objects, metadata) = list(archive)?;
-        let mut transforms = Vec::with_capacity(objects.len());
-        let mut meshes = Vec::new();
-        for (number, object) in objects.iter().enumerate() {
-            let is_transform = object.schema == Schema::Transform;
-            let transform = is_transform.then(|| Transform::read(object, &metadata)).transpose()?;
-            transforms.push(transform);
-            if object.schema == Schema::Mesh {
-                let above = above(&objects, &transforms, number);
-                let nearest = above.first().map(|&transform| &objects[transform].name);
-                let names = nearest.into_iter().chain([&object.name]).cloned().collect();
-                meshes.push(PlacedMesh { mesh: Mesh::read(object, &metadata)?, names, above });
-            }
-        }
-        if meshes.is_empty() {
-            return Err(Error::missing(
-                "holds no polygon mesh: export the character's mesh, as polygons",
-            ));
-        }
-        Ok(Self { transforms, meshes })
-    }
+/// Multiplies transforms at a frame.
+fn world(above: &[&Transform<'_>], frame: usize) -> Matrix4<f64> {
+    above.iter().map(|transform| transform.at(frame)).product()
 }
 
 /// Lists the transforms that move an object, the nearest first.
@@ -132,15 +138,12 @@ fn frame_len(
 ) -> Result<usize, Error> {
     // For each mesh and transform: whether it changes, its number of samples, and its description.
     let mut sampled = Vec::new();
-    for PlacedMesh { mesh, above, names } in meshes {
-        sampled.push((!mesh.is_constant(), mesh.sample_len(), format!("mesh {}", mesh.name)));
+    for PlacedMesh { mesh, above, part } in meshes {
+        let Mesh { name, positions, .. } = mesh;
+        sampled.push((!positions.is_constant(), positions.len(), format!("mesh {name}")));
         for transform in above.iter().filter_map(|&above| transforms[above].as_ref()) {
-            let moves = !transform.is_constant();
-            sampled.push((
-                moves,
-                transform.sample_len(),
-                format!("a transform above {}", names[0]),
-            ));
+            let object = format!("a transform above {}", part.names[0]);
+            sampled.push((!transform.is_constant(), transform.sample_len(), object));
         }
     }
     let changes = sampled.iter().any(|(changes, ..)| *changes);
@@ -155,63 +158,12 @@ fn frame_len(
     }
 }
 
-impl<'t, 'a> World<'t, 'a> {
-    fn new(transforms: &'t [Option<Transform<'a>>], above: &[usize]) -> Self {
-        let above = above.iter().rev().filter_map(|&above| transforms[above].as_ref());
-        let moving = Self::Moving(above.collect());
-        match &moving {
-            Self::Moving(all) if all.iter().all(|one| one.is_constant()) => {
-                Self::Constant(moving.at(0))
-            }
-            _ => moving,
-        }
-    }
-
-    fn at(&self, frame: usize) -> Matrix4<f64> {
-        match self {
-            Self::Constant(world) => *world,
-            Self::Moving(all) => all.iter().map(|transform| transform.at(frame)).product(),
-        }
-    }
-
-    /// Counts the matrices to multiply for each frame.
-    fn factor_len(&self) -> usize {
-        match self {
-            Self::Constant(_) => 0,
-            Self::Moving(all) => all.len(),
-        }
-    }
-}
-
-fn transform_point(world: &Matrix4<f64>, x: [f64; 3]) -> [f64; 3] {
-    world.transform_point(&Point3::from(x)).into()
-}
-
 /// Splits the faces of all meshes into triangles, with vertices numbered across all meshes.
 fn triangles(meshes: &[PlacedMesh<'_>], positions: &[[f64; 3]]) -> Vec<[usize; 3]> {
     let mut triangles = Vec::new();
-    let mut first = 0;
-    for PlacedMesh { mesh, .. } in meshes {
-        let own = mesh.polygons.triangles(&positions[first..][..mesh.vertex_len]);
-        triangles.extend(own.into_iter().map(|corners| corners.map(|corner| corner + first)));
-        first += mesh.vertex_len;
+    for PlacedMesh { mesh, part, .. } in meshes {
+        let own = mesh.polygons.triangles(&positions[part.range.clone()]).into_iter();
+        triangles.extend(own.map(|corners| corners.map(|corner| corner + part.range.start)));
     }
     triangles
-}
-
-/// Joins the reference positions of all meshes; `None` if a mesh has none.
-fn reference(meshes: &[PlacedMesh<'_>]) -> Option<Vec<[f64; 3]>> {
-    let all = meshes.iter().map(|PlacedMesh { mesh, .. }| mesh.reference.as_deref());
-    all.collect::<Option<Vec<_>>>().map(|all| all.concat())
-}
-
-/// Lists the names and vertex ranges of the meshes.
-fn parts(meshes: Vec<PlacedMesh<'_>>) -> Vec<Part> {
-    let mut first = 0;
-    let part = |PlacedMesh { mesh, names, .. }: PlacedMesh<'_>| {
-        let range = first..first + mesh.vertex_len;
-        first = range.end;
-        Part { names, range }
-    };
-    meshes.into_iter().map(part).collect()
 }

@@ -91,8 +91,16 @@ pub(super) struct Compound<'a> {
 /// A sampled property.
 pub(super) struct Sampled<'a> {
     group: Group<'a>,
+    layout: Layout,
+}
+
+/// Type and samples of a property.
+#[derive(Clone, Copy)]
+struct Layout {
+    numbers: u32,
+    extent: usize,
     /// Number of samples; a run of equal samples is stored once.
-    pub(super) len: usize,
+    len: usize,
     /// First sample that differs from sample 0, and last sample that differs from its predecessor; 0 and 0 for a
     /// constant.
     changed: [usize; 2],
@@ -121,11 +129,11 @@ impl<'a> Compound<'a> {
     /// The file is damaged, or exceeds the memory budget.
     pub(super) fn read(group: Group<'a>, metadata: &Metadata) -> Result<Self, Error> {
         let bytes = group.last_data()?;
-        group.archive().spend(bytes.len())?;
+        group.archive.spend(bytes.len())?;
         let mut cursor = Cursor(bytes);
         let mut headers = Vec::new();
-        while !cursor.is_empty() {
-            group.archive().spend(size_of::<Header>())?;
+        while !cursor.0.is_empty() {
+            group.archive.spend(size_of::<Header>())?;
             headers.push(Header::read(&mut cursor, metadata)?);
         }
         Ok(Self { group, headers })
@@ -137,9 +145,7 @@ impl<'a> Compound<'a> {
     /// The file is damaged, or exceeds the memory budget.
     pub(super) fn compound(&self, name: &str, metadata: &Metadata) -> Result<Option<Self>, Error> {
         match self.find(name) {
-            Some((place, Kind::Compound)) => {
-                Self::read(self.group.group(place)?, metadata).map(Some)
-            }
+            Some((place, None)) => Self::read(self.group.group(place)?, metadata).map(Some),
             _ => Ok(None),
         }
     }
@@ -156,19 +162,12 @@ impl<'a> Compound<'a> {
         numbers: Numbers,
         extent: usize,
     ) -> Result<Option<Sampled<'a>>, Error> {
-        let Some((
-            place,
-            Kind::Sampled { numbers: found, extent: found_extent, len, changed, is_array },
-        )) = self.find(name)
-        else {
-            return Ok(None);
-        };
-        if *found != numbers as u32 || (extent != 0 && *found_extent != extent) {
+        let Some((place, Some(layout))) = self.find(name) else { return Ok(None) };
+        if layout.numbers != numbers as u32 || (extent != 0 && layout.extent != extent) {
             return Ok(None);
         }
         let group = self.group.group(place)?;
-        let sampled = Sampled { group, len: *len, changed: *changed, is_array: *is_array };
-        Ok((*len > 0).then_some(sampled))
+        Ok((layout.len > 0).then_some(Sampled { group, layout }))
     }
 
     /// Subtracts bytes from the archive's memory budget.
@@ -176,16 +175,22 @@ impl<'a> Compound<'a> {
     /// # Errors
     /// [`ErrorKind::Limit`](crate::ErrorKind::Limit): the budget is spent.
     pub(super) fn spend(&self, bytes: usize) -> Result<(), Error> {
-        self.group.archive().spend(bytes)
+        self.group.archive.spend(bytes)
     }
 
-    fn find(&self, name: &str) -> Option<(usize, &Kind)> {
+    /// Returns the place of a property, and its layout unless it is a compound.
+    fn find(&self, name: &str) -> Option<(usize, Option<Layout>)> {
         let place = self.headers.iter().position(|header| header.name == name)?;
-        Some((place, &self.headers[place].kind))
+        Some((place, self.headers[place].layout))
     }
 }
 
 impl<'a> Sampled<'a> {
+    /// Counts the samples.
+    pub(super) fn len(&self) -> usize {
+        self.layout.len
+    }
+
     /// Returns the bytes of the numbers of sample `index`; a constant property has one sample for every index.
     ///
     /// # Errors
@@ -200,7 +205,7 @@ impl<'a> Sampled<'a> {
     /// The sample is missing or cut off.
     pub(super) fn stored(&self, place: usize) -> Result<&'a [u8], Error> {
         // Arrays store their dimensions behind each sample.
-        let bytes = self.group.data(if self.is_array { 2 * place } else { place })?;
+        let bytes = self.group.data(if self.layout.is_array { 2 * place } else { place })?;
         match bytes.split_at_checked(KEY_BYTES) {
             Some((_, numbers)) => Ok(numbers),
             None if bytes.is_empty() => Ok(&[]),
@@ -210,7 +215,7 @@ impl<'a> Sampled<'a> {
 
     /// Returns the place at which sample `index` is stored.
     pub(super) fn place(&self, index: usize) -> usize {
-        let [first, last] = self.changed;
+        let [first, last] = self.layout.changed;
         match index {
             _ if last == 0 || index < first => 0,
             _ => index.min(last) - first + 1,
@@ -219,12 +224,12 @@ impl<'a> Sampled<'a> {
 
     /// Returns the first sample that is stored at a place.
     pub(super) fn frame(&self, place: usize) -> usize {
-        if place == 0 { 0 } else { self.changed[0] + place - 1 }
+        if place == 0 { 0 } else { self.layout.changed[0] + place - 1 }
     }
 
     /// Counts the stored samples.
     pub(super) fn stored_len(&self) -> usize {
-        self.place(self.len - 1) + 1
+        self.place(self.len() - 1) + 1
     }
 
     /// Returns whether all samples are equal.
@@ -257,11 +262,11 @@ fn push_children<'a>(
     if depth >= DEPTH_MOST {
         return Err(damaged(format!("its objects are more than {DEPTH_MOST} levels deep")));
     }
-    group.archive().spend(bytes.len())?;
+    group.archive.spend(bytes.len())?;
     let mut cursor = Cursor(&bytes[..len]);
     let begin = left.len();
-    while !cursor.is_empty() {
-        group.archive().spend(size_of::<(Child<'_>, Object<'_>)>())?;
+    while !cursor.0.is_empty() {
+        group.archive.spend(size_of::<(Child<'_>, Object<'_>)>())?;
         let name = cursor.text(4)?;
         let number = cursor.number(1)?;
         let schema = Schema::of(&metadata.of(number, &mut cursor, 4)?);
@@ -274,12 +279,8 @@ fn push_children<'a>(
 
 struct Header {
     name: String,
-    kind: Kind,
-}
-
-enum Kind {
-    Compound,
-    Sampled { numbers: u32, extent: usize, len: usize, changed: [usize; 2], is_array: bool },
+    /// `None` for a compound.
+    layout: Option<Layout>,
 }
 
 impl Header {
@@ -291,8 +292,8 @@ impl Header {
             2 => 4,
             _ => return Err(damaged("a property has counts of no size")),
         };
-        let kind = match info & 3 {
-            0 => Kind::Compound,
+        let layout = match info & 3 {
+            0 => None,
             kind => {
                 let len = cursor.number(bytes)?;
                 let changed = if info & 0x200 != 0 {
@@ -311,11 +312,11 @@ impl Header {
                     return Err(damaged("a property changes before or behind its samples"));
                 }
                 let (numbers, extent) = (info >> 4 & 0xf, (info >> 12 & 0xff) as usize);
-                Kind::Sampled { numbers, extent, len, changed, is_array: kind != 1 }
+                Some(Layout { numbers, extent, len, changed, is_array: kind != 1 })
             }
         };
         let name = cursor.text(bytes)?;
         metadata.of((info >> 20 & 0xff) as usize, cursor, bytes)?;
-        Ok(Self { name, kind })
+        Ok(Self { name, layout })
     }
 }

@@ -37,7 +37,7 @@ pub(super) struct Archive<'a> {
 /// A group. Its children are resolved on access.
 #[derive(Clone, Copy)]
 pub(super) struct Group<'a> {
-    archive: &'a Archive<'a>,
+    pub(super) archive: &'a Archive<'a>,
     children: &'a [[u8; 8]],
 }
 
@@ -138,11 +138,6 @@ impl<'a> Archive<'a> {
 }
 
 impl<'a> Group<'a> {
-    /// Returns the archive of the group.
-    pub(super) fn archive(&self) -> &'a Archive<'a> {
-        self.archive
-    }
-
     /// Counts the children.
     pub(super) fn len(&self) -> usize {
         self.children.len()
@@ -192,11 +187,6 @@ impl<'a> Group<'a> {
 pub(super) struct Cursor<'a>(pub(super) &'a [u8]);
 
 impl<'a> Cursor<'a> {
-    /// Returns whether everything is read.
-    pub(super) fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
     /// Reads `len` bytes.
     ///
     /// # Errors
@@ -240,7 +230,7 @@ impl Metadata {
         let mut cursor = Cursor(bytes);
         // Entry 0 is the empty text.
         let mut table = vec![String::new()];
-        while !cursor.is_empty() {
+        while !cursor.0.is_empty() {
             table.push(cursor.text(1)?);
         }
         Ok(Self(table))

@@ -17,7 +17,7 @@ pub(super) struct Mesh<'a> {
     pub(super) polygons: Polygons,
     /// Reference positions, which identify the vertices, if the file has them.
     pub(super) reference: Option<Vec<[f64; 3]>>,
-    positions: Sampled<'a>,
+    pub(super) positions: Sampled<'a>,
 }
 
 impl<'a> Mesh<'a> {
@@ -50,16 +50,6 @@ impl<'a> Mesh<'a> {
             reference.map(|reference| reference.sample(0).map(|all| points(all).collect()));
         let reference = reference.transpose()?.filter(|all: &Vec<_>| all.len() == vertex_len);
         Ok(Self { name, vertex_len, polygons, reference, positions })
-    }
-
-    /// Counts the samples.
-    pub(super) fn sample_len(&self) -> usize {
-        self.positions.len
-    }
-
-    /// Returns whether the positions never change.
-    pub(super) fn is_constant(&self) -> bool {
-        self.positions.is_constant()
     }
 
     /// Returns the positions of a frame.
@@ -132,7 +122,7 @@ impl<'a> Transform<'a> {
 
     /// Counts the samples.
     pub(super) fn sample_len(&self) -> usize {
-        self.values.as_ref().map_or(1, |values| values.len)
+        self.values.as_ref().map_or(1, Sampled::len)
     }
 
     /// Returns whether the transform never changes.
@@ -153,10 +143,8 @@ fn no_vertices(mesh: &str) -> Error {
 }
 
 fn points(bytes: &[u8]) -> impl Iterator<Item = [f64; 3]> + use<'_> {
-    let points = bytes.as_chunks::<POINT_BYTES>().0.iter();
-    points.map(|&[a, b, c, d, e, f, g, h, i, j, k, l]| {
-        [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(|bytes| f64::from(f32::from_le_bytes(bytes)))
-    })
+    let points = bytes.as_chunks::<4>().0.as_chunks::<3>().0.iter();
+    points.map(|point| point.map(|bytes| f64::from(f32::from_le_bytes(bytes))))
 }
 
 /// Reads whole numbers and checks that they are equal in every frame; empty if the property is missing.

@@ -8,7 +8,7 @@ use ufbx::{Material, Mesh, Node, Texture};
 use super::file::open;
 use super::meshes;
 use crate::Error;
-use crate::formats::materials::{self, Appearance, Image};
+use crate::formats::appearance::{Appearance, Image, image_kind, missing_image};
 
 /// Reads the appearance of the meshes that [`read`](super::read) reads.
 ///
@@ -36,8 +36,7 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Appearance, Error> {
         ..Appearance::default()
     };
     let missing = scene.textures.iter().zip(&images).filter(|(_, image)| image.is_none());
-    let missing = missing
-        .map(|(texture, _)| materials::missing_image(&name(texture), &places(texture, path)));
+    let missing = missing.map(|(texture, _)| missing_image(&name(texture), &places(texture, path)));
     appearance.missing = missing.collect();
     appearance.set_images(images);
     Ok(appearance)
@@ -82,7 +81,7 @@ fn material_json(material: &Material, images: &[Option<Image>]) -> Value {
 fn picture(texture: &Texture, scene: &Path) -> Option<Image> {
     let bytes = places(texture, scene).into_iter().find_map(|place| {
         let bytes = std::fs::read(place).ok()?;
-        materials::image_kind(&bytes).map(|_| bytes)
+        image_kind(&bytes).map(|_| bytes)
     })?;
     let mut members = Map::new();
     members.insert("name".to_owned(), json!(name(texture)));

@@ -4,7 +4,7 @@ use super::file::{fault, matrix};
 use super::meshes::{MeshPart, WEIGHT, channels, is_shaped, skin};
 use crate::Error;
 use crate::formats::FormatWarning;
-use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, faults, samples, unique_names};
+use crate::formats::scene::{Clip, Hierarchy, MovingJoints, Sample, Sampling, faults, samples};
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Mesh, Node, Scene, SceneRoot, SkinningMethod};
@@ -37,7 +37,7 @@ pub(super) fn takes(
     let named = |stack: &AnimStack| sampling.takes(&stack.element.name);
     sampling.check(scene.anim_stacks.iter().map(|stack| name(stack)).collect())?;
     let tracked = Tracked::new(scene, joints, parts);
-    let parents = parents_among(scene, joints);
+    let parents = hierarchy(scene).parents_among(joints);
     let rate = scene.settings.frames_per_second;
     let frame = if rate > 0.0 { 1.0 / rate } else { 0.0 };
     let (mut takes, mut still) = (Vec::new(), Vec::new());
@@ -48,12 +48,8 @@ pub(super) fn takes(
             continue;
         }
         tracked.check_constraints(scene, &keyed)?;
-        let pose = |time: f64| {
-            let animation = &scene.anim_stacks[place].anim;
-            let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
-            let posed = posed.map_err(fault)?;
-            Ok(joints.iter().map(|&node| matrix(&posed.nodes[node].node_to_world)).collect())
-        };
+        let pose =
+            |time: f64| evaluated(scene, place, time).map(|posed| joint_frames(&posed, joints));
         let joints = MovingJoints { parents: &parents, frame, pose };
         let samples = samples(&stack.element.name, keys, sampling, &joints)?;
         takes.push(Take { stack: place, name: name(stack), samples });
@@ -62,10 +58,19 @@ pub(super) fn takes(
         tracked.check_constraints(scene, &vec![false; scene.elements.len()])?;
         return Err(faults::nothing_moves(&still));
     }
-    if !still.is_empty() {
-        warnings.push(FormatWarning::IdleClips { clips: still });
-    }
+    warnings.extend(FormatWarning::listed(FormatWarning::IdleClips, still));
     Ok(takes)
+}
+
+/// Poses a scene at a time, in seconds, of the animation with index `stack`.
+fn evaluated(scene: &SceneRoot, stack: usize, time: f64) -> Result<SceneRoot, Error> {
+    let animation = &scene.anim_stacks[stack].anim;
+    ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default()).map_err(fault)
+}
+
+/// Returns the world frames of joints, given by their nodes.
+fn joint_frames(posed: &Scene, nodes: &[usize]) -> Vec<Matrix4<f64>> {
+    nodes.iter().map(|&node| matrix(&posed.nodes[node].node_to_world)).collect()
 }
 
 /// Sampled motion.
@@ -87,21 +92,18 @@ pub(super) fn posed(
     parts: Option<&[MeshPart]>,
 ) -> Result<Posed, Error> {
     if takes.is_empty() {
-        let joints = nodes.iter().map(|&node| matrix(&scene.nodes[node].node_to_world)).collect();
+        let joints = joint_frames(scene, nodes);
         return Ok(Posed { joints, shapes: None, morphs: false });
     }
     let moments =
         takes.iter().flat_map(|take| take.samples.iter().map(|sample| (take.stack, sample.at)));
     let pose = |&(stack, time): &(usize, f64)| {
-        let animation = &scene.anim_stacks[stack].anim;
-        let posed = ufbx::evaluate_scene(scene, animation, time, EvaluateOpts::default());
-        let posed = posed.map_err(fault)?;
-        let joints = nodes.iter().map(|&node| matrix(&posed.nodes[node].node_to_world));
+        let posed = evaluated(scene, stack, time)?;
         let (mut shape, mut morphs) = (Vec::new(), false);
         for part in parts.into_iter().flatten() {
             morphs |= deform(scene, &posed, part, &mut shape);
         }
-        Ok((joints.collect::<Vec<_>>(), shape, morphs))
+        Ok((joint_frames(&posed, nodes), shape, morphs))
     };
     let moments: Vec<_> = moments.collect();
     let frames: Vec<Result<_, Error>> = moments.par_iter().map(pose).collect();
@@ -122,11 +124,11 @@ pub(super) fn clips(takes: Vec<Take>) -> Vec<Clip> {
     if takes.is_empty() {
         return vec![Clip::still()];
     }
-    let mut first = 0;
+    let mut end = 0;
     let clip = |take: Take| {
-        first += take.samples.len();
-        let times: Vec<f64> = take.samples.iter().map(|sample| sample.time).collect();
-        Clip::at(take.name, first - times.len(), &times)
+        let first = end;
+        end += take.samples.len();
+        Clip::sampled(take.name, first, &take.samples)
     };
     takes.into_iter().map(clip).collect()
 }
@@ -169,14 +171,12 @@ pub(super) fn find_joints(
     }
     // ufbx sorts nodes by depth. Other readers of the format use the order of the file.
     nodes.sort_by_key(|&place| scene.nodes[place].element.element_id);
-    let (names, renamed) = node_names(scene, |place| is_joint[place]);
-    if !renamed.is_empty() {
-        let joints = renamed.into_iter().map(|place| names[place].clone()).collect();
-        warnings.push(FormatWarning::EqualNames { joints });
-    }
+    let tree = hierarchy(scene);
+    let (names, renamed) = tree.unique_names(|place| is_joint[place]);
+    warnings.extend(renamed);
     Ok(Joints {
         names: nodes.iter().map(|&place| names[place].clone()).collect(),
-        parents: parents_among(scene, &nodes),
+        parents: tree.parents_among(&nodes),
         binds: nodes
             .iter()
             .map(|&place| binds[place].unwrap_or_else(|| at_rest(&scene.nodes[place])))
@@ -185,26 +185,13 @@ pub(super) fn find_joints(
     })
 }
 
-/// Returns the names of all nodes, with the names of joints made unique; also returns the renamed nodes.
-pub(super) fn node_names(
-    scene: &Scene,
-    is_joint: impl Fn(usize) -> bool,
-) -> (Vec<String>, Vec<usize>) {
-    let names: Vec<String> = scene.nodes.iter().map(|node| node.element.name.to_string()).collect();
-    let places = 0..scene.nodes.len();
-    let parents: Vec<Option<usize>> = places.map(|place| above(scene, place)).collect();
-    unique_names(&names, &parents, is_joint)
-}
-
-/// Returns, for each of some nodes, the nearest of these nodes above it; several may have none.
-fn parents_among(scene: &Scene, nodes: &[usize]) -> Vec<Option<usize>> {
-    let of = |place: usize| nodes.iter().position(|&node| node == place);
-    nodes.iter().map(|&node| upwards(scene, node).skip(1).find_map(of)).collect()
-}
-
-/// Walks from a node up to its root.
-pub(super) fn upwards(scene: &Scene, place: usize) -> impl Iterator<Item = usize> + Clone + '_ {
-    std::iter::successors(Some(place), |&place| above(scene, place))
+/// Returns the names and parents of all nodes.
+pub(super) fn hierarchy(scene: &Scene) -> Hierarchy {
+    let parent = |node: &Node| Some(node.parent.as_ref()?.element.typed_id as usize);
+    Hierarchy {
+        names: scene.nodes.iter().map(|node| node.element.name.to_string()).collect(),
+        parents: scene.nodes.iter().map(|node| parent(node)).collect(),
+    }
 }
 
 /// Records the bind frame of each joint of a part's skin, and checks that all parts agree.
@@ -324,10 +311,6 @@ impl Tracked {
     }
 }
 
-fn above(scene: &Scene, place: usize) -> Option<usize> {
-    scene.nodes[place].parent.as_ref().map(|parent| parent.element.typed_id as usize)
-}
-
 /// Returns the largest distance between the points as two binds place them.
 fn bind_distance(kept: &Matrix4<f64>, bind: &Matrix4<f64>, points: &[Vector4<f64>]) -> f64 {
     let Some(back) = bind.try_inverse() else { return f64::NAN };
@@ -337,14 +320,11 @@ fn bind_distance(kept: &Matrix4<f64>, bind: &Matrix4<f64>, points: &[Vector4<f64
 
 /// Returns the eight corners of a mesh's box, the lowest first and the highest last.
 fn box_corners(mesh: &Mesh) -> [Vector4<f64>; 8] {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for v in &mesh.vertices {
-        for (axis, number) in [v.x, v.y, v.z].into_iter().enumerate() {
-            low[axis] = low[axis].min(number);
-            high[axis] = high[axis].max(number);
-        }
-    }
+    let of = |from: f64, choose: fn(f64, f64) -> f64| {
+        let all = mesh.vertices.iter().map(|v| [v.x, v.y, v.z]);
+        all.fold([from; 3], |best, v| std::array::from_fn(|axis| choose(best[axis], v[axis])))
+    };
+    let [low, high] = [of(f64::INFINITY, f64::min), of(f64::NEG_INFINITY, f64::max)];
     std::array::from_fn(|corner| {
         let at = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
         Vector4::new(at(0), at(1), at(2), 1.0)

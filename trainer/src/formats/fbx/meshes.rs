@@ -51,10 +51,8 @@ pub(super) fn parts(
         let part = |(node, mesh): (&Node, &Mesh)| part(node, mesh, node.geometry_to_world);
         return Ok(other.into_iter().map(part).collect());
     }
-    if !other.is_empty() {
-        let meshes = other.iter().map(|(node, _)| node.element.name.to_string()).collect();
-        warnings.push(FormatWarning::UnskinnedMeshes { meshes });
-    }
+    let other = other.iter().map(|(node, _)| node.element.name.to_string()).collect();
+    warnings.extend(FormatWarning::listed(FormatWarning::UnskinnedMeshes, other));
     skinned.into_iter().map(|(node, mesh)| bound_part(node, mesh)).collect()
 }
 
@@ -92,9 +90,7 @@ pub(super) fn join(
         ranges.push((scene.nodes[part.node].element.name.to_string(), first..rest.len()));
     }
     let (engine, count) = corners.engine_mesh(&rest, &places);
-    if count > 0 {
-        warnings.push(FormatWarning::NormalsRepaired { count });
-    }
+    warnings.extend(FormatWarning::repaired(count));
     let engine = (!engine.is_plain()).then_some(engine);
     if parts.len() < 2 {
         ranges.clear();
@@ -112,9 +108,7 @@ pub(super) fn are_posed(
     let meshes: Vec<String> =
         cached.map(|part| scene.nodes[part.node].element.name.to_string()).collect();
     let whole = meshes.is_empty();
-    if !whole {
-        warnings.push(FormatWarning::CacheIgnored { meshes });
-    }
+    warnings.extend(FormatWarning::listed(FormatWarning::CacheIgnored, meshes));
     whole && parts.iter().all(|part| skin(&scene.meshes[part.mesh]).is_some())
 }
 
@@ -205,8 +199,7 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, Error> {
             out.faces.push(face);
             out.uv_faces.push(uv.into_iter().flatten().collect());
         }
-        let channels = mesh.blend_deformers.iter().flat_map(|blend| blend.channels.iter());
-        for channel in channels {
+        for channel in channels(mesh) {
             let Some(shape) = channel.keyframes.iter().last().map(|key| &key.shape) else {
                 continue;
             };
@@ -214,15 +207,12 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, Error> {
             if channel.keyframes.len() > 1 {
                 between.push(name.clone());
             }
-            let len = mesh.num_vertices;
             let moved = shape.offset_vertices.iter().zip(shape.position_offsets.iter());
-            let moved = moved.filter(|(vertex, _)| (**vertex as usize) < len);
-            let moved: Vec<_> = moved
-                .map(|(&vertex, &by)| {
-                    (first + vertex as usize, array(ufbx::transform_direction(&part.rest, by)))
-                })
-                .collect();
-            out.add(&name, moved.into_iter());
+            let moved = moved.filter(|(vertex, _)| (**vertex as usize) < mesh.num_vertices);
+            let moved = moved.map(|(&vertex, &by)| {
+                (first + vertex as usize, array(ufbx::transform_direction(&part.rest, by)))
+            });
+            out.add(&name, moved);
         }
     }
     if out.shapes.is_empty() {
@@ -232,12 +222,8 @@ pub(super) fn parse_shapes(bytes: &[u8]) -> Result<ShapedMesh, Error> {
     if !has_uv || out.uv.is_empty() {
         (out.uv, out.uv_faces) = Default::default();
     }
-    if !left_out.is_empty() {
-        out.warnings.push(FormatWarning::UnshapedMeshes { meshes: left_out });
-    }
-    if !between.is_empty() {
-        out.warnings.push(FormatWarning::ShapesBetween { channels: between });
-    }
+    out.warnings.extend(FormatWarning::listed(FormatWarning::UnshapedMeshes, left_out));
+    out.warnings.extend(FormatWarning::listed(FormatWarning::ShapesBetween, between));
     Ok(out)
 }
 
@@ -318,12 +304,9 @@ fn is_keyed(scene: &Scene, channel: &BlendChannel) -> bool {
 /// - `rest`: from the mesh to its bind pose.
 fn add_corners(all: &mut Corners, mesh: &Mesh, first: usize, rest: &Matrix) {
     let begin = all.vertices.len();
-    let corners: Vec<usize> = mesh
-        .faces
-        .iter()
-        .flat_map(|face| face.index_begin..face.index_begin + face.num_indices)
-        .map(|corner| corner as usize)
-        .collect();
+    let faces = mesh.faces.iter();
+    let corners = faces.flat_map(|face| face.index_begin..face.index_begin + face.num_indices);
+    let corners: Vec<usize> = corners.map(|corner| corner as usize).collect();
     let vertices = corners.iter().map(|&corner| first + mesh.vertex_indices[corner] as usize);
     all.vertices.extend(vertices);
     let turn = ufbx::matrix_for_normals(rest);

@@ -13,10 +13,10 @@ mod tests;
 pub(crate) use meshes::read_shapes;
 
 use super::mesh::{Mesh, MeshFile};
-use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling, bound};
+use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling};
 use crate::Error;
 use file::{open, space};
-use frames::{Joints, Posed, at_rest, bind, node_names, upwards};
+use frames::{Joints, Posed, at_rest, bind, hierarchy};
 use meshes::Geometry;
 use nalgebra::Matrix4;
 use std::path::Path;
@@ -74,7 +74,8 @@ pub(crate) fn read_motion(
     let takes = frames::takes(&scene, found, &[], sampling, &mut warnings)?;
     let Posed { joints: frames, .. } = frames::posed(&scene, &takes, found, None)?;
     let rest: Vec<_> = scene.nodes.iter().map(|node| at_rest(node)).collect();
-    let binds = found.iter().map(|&node| bound(upwards(&scene, node), &binds, &rest));
+    let tree = hierarchy(&scene);
+    let binds = found.iter().map(|&node| tree.bound(node, &binds, &rest));
     Ok(Motion {
         space: space(&scene.settings),
         rest: found.iter().map(|&node| rest[node]).collect(),
@@ -103,12 +104,7 @@ pub(crate) fn joints_alone(path: &Path) -> Option<Vec<String>> {
 /// - `binds`: bind frames of the nodes that are joints of skins.
 fn candidates(scene: &Scene, binds: &[Option<Matrix4<f64>>]) -> Vec<(usize, String)> {
     let is_bone = |node: usize| scene.nodes[node].bone.is_some() || binds[node].is_some();
-    let (labels, _) = node_names(scene, is_bone);
-    let shows = |node: usize| scene.nodes[node].mesh.is_some();
-    let mut all: Vec<_> =
-        labels.into_iter().enumerate().filter(|(node, _)| !shows(*node)).collect();
-    all.sort_by_key(|(node, _)| !is_bone(*node));
-    all
+    hierarchy(scene).candidates(is_bone, |node| scene.nodes[node].mesh.is_some())
 }
 
 fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, Error> {

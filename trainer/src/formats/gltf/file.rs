@@ -1,12 +1,12 @@
 //! A glTF file, its buffers, and the arrays and triangles in them.
 
+use super::nodes::Nodes;
 use crate::Error;
 use crate::formats::FormatWarning;
 use crate::formats::extension::{empty_file, unmarked};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf::accessor::DataType;
-use gltf::accessor::sparse::IndexType;
 use gltf::binary::Glb;
 use gltf::buffer::Source;
 use gltf::json::validation::Checked;
@@ -38,20 +38,13 @@ const ZEROS_MAX: usize = 10_000_000;
 /// The bytes of each buffer.
 pub(super) type Buffers = Vec<Vec<u8>>;
 
-/// A file and its buffers.
+/// A file, its buffers and its nodes.
 pub(super) struct Parsed {
     pub(super) document: Document,
     pub(super) buffers: Buffers,
-    /// Clips with channels that name no node; these channels were left out.
-    pub(super) untargeted: Vec<String>,
-}
-
-impl Parsed {
-    /// Warns of the channels that were left out.
-    pub(super) fn warning(&self) -> Option<FormatWarning> {
-        let clips = self.untargeted.clone();
-        (!clips.is_empty()).then_some(FormatWarning::UntargetedChannels { clips })
-    }
+    pub(super) nodes: Nodes,
+    /// A warning if clips have channels that name no node; these channels were left out.
+    pub(super) untargeted: Option<FormatWarning>,
 }
 
 /// Reads a file and its buffers, embedded or in files beside it.
@@ -65,11 +58,12 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, Error> {
     if bytes.is_empty() { Err(empty_file()) } else { Ok(bytes) }
 }
 
-/// Parses the bytes of a file and reads its buffers, embedded or in files beside it.
+/// Parses the bytes of a file and reads its nodes, and its buffers, embedded or in files beside it.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, Error> {
     check_whole(bytes)?;
     let mut tree = tree(bytes)?;
     let untargeted = drop_untargeted(&mut tree);
+    let untargeted = FormatWarning::listed(FormatWarning::UntargetedChannels, untargeted);
     state_nodes(&mut tree);
     let mut json: gltf::json::Root =
         serde_json::from_value(Value::Object(tree)).map_err(not_gltf)?;
@@ -94,7 +88,8 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Parsed, Error> {
             |reason: String| Error::damaged(format!("buffer {}: {reason}", buffer.index()));
         buffers.push(bytes.map_err(damaged)?);
     }
-    Ok(Parsed { document, buffers, untargeted })
+    let nodes = Nodes::read(&document)?;
+    Ok(Parsed { document, buffers, nodes, untargeted })
 }
 
 /// Returns the JSON of a file; `bytes` is as for [`parse`].
@@ -147,12 +142,12 @@ pub(super) fn numbers(
         return Err(damaged(format!("has {found} components an element, expected {width}")));
     }
     let outside = || damaged("reaches beyond its buffer".to_owned());
-    let component = Component { kind: accessor.data_type(), normalized: accessor.normalized() };
+    let kind = accessor.data_type();
     let read = |view: gltf::buffer::View<'_>, offset, count| {
-        let elements = Elements { offset, count, bytes: width * component.bytes() };
-        let elements = elements.of(&view, buffers)?;
-        let numbers = elements.flat_map(|element| element.chunks_exact(component.bytes()));
-        Some(numbers.map(|bytes| component.number(bytes)).collect::<Vec<f64>>())
+        let elements = elements(&view, buffers, offset, count, width * kind.size())?;
+        let numbers = elements.flat_map(|element| element.chunks_exact(kind.size()));
+        let number = |bytes| component(bytes, kind, accessor.normalized());
+        Some(numbers.map(number).collect::<Vec<f64>>())
     };
     let count = accessor.count();
     let mut all = match accessor.view() {
@@ -167,12 +162,11 @@ pub(super) fn numbers(
     let values = read(sparse.values().view(), sparse.values().offset(), sparse.count())
         .ok_or_else(outside)?;
     let indices = sparse.indices();
-    let kind = indices.index_type();
-    let elements =
-        Elements { offset: indices.offset(), count: sparse.count(), bytes: index_bytes(&kind) };
-    let places = elements.of(&indices.view(), buffers).ok_or_else(outside)?;
+    let bytes = indices.index_type().size();
+    let places = elements(&indices.view(), buffers, indices.offset(), sparse.count(), bytes)
+        .ok_or_else(outside)?;
     for (place, values) in places.zip(values.chunks_exact(width)) {
-        let place = index(&kind, place);
+        let place = whole(place);
         let element = all.chunks_exact_mut(width).nth(place).ok_or_else(outside)?;
         element.copy_from_slice(values);
     }
@@ -284,8 +278,7 @@ fn check_whole(bytes: &[u8]) -> Result<(), Error> {
             _ => Err(not_gltf("it begins neither with glTF nor, as JSON, with a brace")),
         };
     }
-    let len = bytes.get(8..HEADER_BYTES).unwrap_or_default();
-    let expected = len.iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte));
+    let expected = whole(bytes.get(8..HEADER_BYTES).unwrap_or_default());
     match (expected.max(HEADER_BYTES), bytes.len()) {
         (expected, found) if found < expected => Err(Error::damaged(format!(
             "is cut short: expected at least {expected} bytes, found {found}; export it, or copy it, again"
@@ -297,16 +290,13 @@ fn check_whole(bytes: &[u8]) -> Result<(), Error> {
 /// Checks indices that the library does not check. gltf-json 1.4 reads the accessors of a primitive's positions before
 /// checking that they exist, and never checks the target and sampler of a channel.
 fn check_indices(json: &gltf::json::Root) -> Result<(), Error> {
-    let check = |place: String, what, len: usize, found: usize| {
-        if found < len {
-            return Ok(());
-        }
-        Err(no_such(place, what, found, len))
+    let check = |place: String, what, len: usize, found: usize| match found < len {
+        true => Ok(()),
+        false => Err(no_such(place, what, found, len)),
     };
     for (number, mesh) in json.meshes.iter().enumerate() {
         for accessor in mesh.primitives.iter().flat_map(|p| p.attributes.values()) {
-            let place = format!("mesh {number}");
-            check(place, "accessor", json.accessors.len(), accessor.value())?;
+            check(format!("mesh {number}"), "accessor", json.accessors.len(), accessor.value())?;
         }
     }
     for (number, animation) in json.animations.iter().enumerate() {
@@ -352,77 +342,50 @@ fn not_gltf(reason: impl Display) -> Error {
     Error::damaged(format!("is no glTF 2.0: {reason}"))
 }
 
-/// A range of elements in a buffer view.
-struct Elements {
+/// Returns the bytes of each of `count` elements of a buffer view, from `offset` on; `None` if they lie outside the
+/// view or its buffer.
+///
+/// - `bytes`: bytes of an element.
+fn elements<'a>(
+    view: &gltf::buffer::View<'_>,
+    buffers: &'a Buffers,
     offset: usize,
     count: usize,
     bytes: usize,
+) -> Option<impl Iterator<Item = &'a [u8]> + use<'a>> {
+    let stride = view.stride().unwrap_or(bytes);
+    if stride < bytes {
+        return None;
+    }
+    let begin = view.offset();
+    let view = buffers.get(view.buffer().index())?.get(begin..begin.checked_add(view.length())?)?;
+    let span = match count.checked_sub(1) {
+        Some(last) => last.checked_mul(stride)?.checked_add(bytes)?,
+        None => 0,
+    };
+    let data = view.get(offset..offset.checked_add(span)?)?;
+    Some(data.chunks(stride).map(move |element| &element[..bytes]))
 }
 
-impl Elements {
-    /// Returns the bytes of each element; `None` if they lie outside the view or its buffer.
-    fn of<'a>(
-        &self,
-        view: &gltf::buffer::View<'_>,
-        buffers: &'a Buffers,
-    ) -> Option<impl Iterator<Item = &'a [u8]> + use<'a>> {
-        let bytes = self.bytes;
-        let stride = view.stride().unwrap_or(bytes);
-        if stride < bytes {
-            return None;
+/// Reads a number; normalised integers are scaled to [0, 1] or [-1, 1].
+fn component(bytes: &[u8], kind: DataType, normalized: bool) -> f64 {
+    let (number, most) = match (kind, bytes) {
+        (DataType::I8, &[a]) => (f64::from(a as i8), f64::from(i8::MAX)),
+        (DataType::U8, &[a]) => (f64::from(a), f64::from(u8::MAX)),
+        (DataType::I16, &[a, b]) => (f64::from(i16::from_le_bytes([a, b])), f64::from(i16::MAX)),
+        (DataType::U16, &[a, b]) => (f64::from(u16::from_le_bytes([a, b])), f64::from(u16::MAX)),
+        (DataType::U32, &[a, b, c, d]) => {
+            (f64::from(u32::from_le_bytes([a, b, c, d])), f64::from(u32::MAX))
         }
-        let begin = view.offset();
-        let view =
-            buffers.get(view.buffer().index())?.get(begin..begin.checked_add(view.length())?)?;
-        let span = match self.count.checked_sub(1) {
-            Some(last) => last.checked_mul(stride)?.checked_add(bytes)?,
-            None => 0,
-        };
-        let data = view.get(self.offset..self.offset.checked_add(span)?)?;
-        Some(data.chunks(stride).map(move |element| &element[..bytes]))
-    }
+        (_, &[a, b, c, d]) => return f64::from(f32::from_le_bytes([a, b, c, d])),
+        _ => return f64::NAN,
+    };
+    if normalized { (number / most).max(-1.0) } else { number }
 }
 
-struct Component {
-    kind: DataType,
-    normalized: bool,
-}
-
-impl Component {
-    fn bytes(&self) -> usize {
-        self.kind.size()
-    }
-
-    fn number(&self, bytes: &[u8]) -> f64 {
-        let (number, most) = match (self.kind, bytes) {
-            (DataType::I8, &[a]) => (f64::from(a as i8), f64::from(i8::MAX)),
-            (DataType::U8, &[a]) => (f64::from(a), f64::from(u8::MAX)),
-            (DataType::I16, &[a, b]) => {
-                (f64::from(i16::from_le_bytes([a, b])), f64::from(i16::MAX))
-            }
-            (DataType::U16, &[a, b]) => {
-                (f64::from(u16::from_le_bytes([a, b])), f64::from(u16::MAX))
-            }
-            (DataType::U32, &[a, b, c, d]) => {
-                (f64::from(u32::from_le_bytes([a, b, c, d])), f64::from(u32::MAX))
-            }
-            (_, &[a, b, c, d]) => return f64::from(f32::from_le_bytes([a, b, c, d])),
-            _ => return f64::NAN,
-        };
-        if self.normalized { (number / most).max(-1.0) } else { number }
-    }
-}
-
-fn index_bytes(kind: &IndexType) -> usize {
-    match kind {
-        IndexType::U8 => 1,
-        IndexType::U16 => 2,
-        IndexType::U32 => 4,
-    }
-}
-
-fn index(kind: &IndexType, bytes: &[u8]) -> usize {
-    bytes[..index_bytes(kind)].iter().rev().fold(0, |index, &byte| index << 8 | usize::from(byte))
+/// Reads a whole number that is not negative, of any number of bytes.
+fn whole(bytes: &[u8]) -> usize {
+    bytes.iter().rev().fold(0, |all, &byte| all << 8 | usize::from(byte))
 }
 
 /// Returns the index that restarts a strip or fan.

@@ -1,15 +1,18 @@
 //! The meshes of a glTF file, joined into one, and their vertices welded by position.
 
-use super::file::{Buffers, is_surface, numbers, other_count, triangles};
+use super::file::{Parsed, is_surface, numbers, other_count, triangles};
+use super::skins::no_skin;
 use crate::Error;
 use crate::formats::FormatWarning;
+use crate::formats::scene::faults;
 use crate::mesh::EngineMesh;
-use gltf::{Document, Mesh, Node, Primitive, Semantic};
+use gltf::{Mesh, Node, Primitive, Semantic};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::ops::Range;
 
 /// All meshes that are read, one after another.
+#[derive(Default)]
 pub(super) struct Meshes {
     /// The nodes that show the meshes.
     pub(super) instances: Vec<Instance>,
@@ -64,26 +67,10 @@ impl Meshes {
     /// # Errors
     /// All meshes consist of points and lines, an accessor cannot be read, counts of attributes differ, or a joint
     /// weight is not finite.
-    pub(super) fn read(
-        document: &Document,
-        buffers: &Buffers,
-        shown: impl Fn(usize) -> bool,
-        wanted: Wanted,
-    ) -> Result<Self, Error> {
-        let mut all = Self {
-            instances: Vec::new(),
-            positions: Vec::new(),
-            triangles: Vec::new(),
-            normals: Vec::new(),
-            tangents: Vec::new(),
-            uv: Vec::new(),
-            authored: [false; 3],
-            influences: Vec::new(),
-            unskinned: Vec::new(),
-            with_lines: Vec::new(),
-        };
+    pub(super) fn read(file: &Parsed, wanted: Wanted) -> Result<Self, Error> {
+        let mut all = Self::default();
         let mut no_triangles = None;
-        for node in document.nodes().filter(|node| shown(node.index())) {
+        for node in file.document.nodes().filter(|node| file.nodes.shown[node.index()]) {
             let Some(mesh) = node.mesh() else { continue };
             let name = node.name().or(mesh.name()).map(str::to_owned);
             let name = name.unwrap_or_else(|| format!("node {}", node.index()));
@@ -111,7 +98,7 @@ impl Meshes {
                 weights: default_weights(&node, &mesh),
             };
             for primitive in mesh.primitives().filter(is_surface) {
-                all.add(&primitive, &mut instance, buffers, wanted)?;
+                all.add(&primitive, &mut instance, file, wanted)?;
             }
             instance.weights.resize(instance.morphs.len(), 0.0);
             all.instances.push(instance);
@@ -122,13 +109,26 @@ impl Meshes {
         }
     }
 
+    /// Reads meshes as [`Meshes::read`] does, at least one.
+    ///
+    /// # Errors
+    /// Those of [`Meshes::read`], and that there is no mesh.
+    pub(super) fn required(file: &Parsed, wanted: Wanted) -> Result<Self, Error> {
+        let all = Self::read(file, wanted)?;
+        match all.instances.is_empty() {
+            false => Ok(all),
+            true if file.nodes.is_empty() => Err(faults::empty()),
+            true if all.unskinned.is_empty() => Err(faults::no_mesh()),
+            true => Err(no_skin()),
+        }
+    }
+
     /// Warns of the meshes, points and lines that were left out.
     pub(super) fn warnings(&self) -> impl Iterator<Item = FormatWarning> + use<> {
-        let [unskinned, with_lines] = [self.unskinned.clone(), self.with_lines.clone()];
         let unskinned =
-            (!unskinned.is_empty()).then_some(FormatWarning::UnskinnedMeshes { meshes: unskinned });
-        let with_lines = (!with_lines.is_empty())
-            .then_some(FormatWarning::PointsAndLines { meshes: with_lines });
+            FormatWarning::listed(FormatWarning::UnskinnedMeshes, self.unskinned.clone());
+        let with_lines =
+            FormatWarning::listed(FormatWarning::PointsAndLines, self.with_lines.clone());
         unskinned.into_iter().chain(with_lines)
     }
 
@@ -137,9 +137,10 @@ impl Meshes {
         &mut self,
         primitive: &Primitive<'_>,
         instance: &mut Instance,
-        buffers: &Buffers,
+        file: &Parsed,
         wanted: Wanted,
     ) -> Result<(), Error> {
+        let buffers = &file.buffers;
         let place = || format!("mesh {}", instance.name);
         let count = |what, expected, found| match expected == found {
             true => Ok(()),
@@ -151,7 +152,7 @@ impl Meshes {
         };
         let base = self.positions.len();
         let weights: &[f64] = if wanted.default_shape { &instance.weights } else { &[] };
-        let positions = shaped(primitive, Attribute::Positions, weights, buffers, place)?;
+        let positions = shaped(primitive, Semantic::Positions, weights, file, place)?;
         let vertex_len = positions.len();
         self.positions.extend(positions);
         let triangles = triangles(primitive, buffers, vertex_len, place)?;
@@ -160,7 +161,7 @@ impl Meshes {
 
         let end = base + vertex_len;
         self.normals.resize(end, [0.0; 3]);
-        let normals = shaped(primitive, Attribute::Normals, weights, buffers, place)?;
+        let normals = shaped(primitive, Semantic::Normals, weights, file, place)?;
         if !normals.is_empty() {
             count("normals", vertex_len, normals.len())?;
             self.normals[base..].copy_from_slice(&normals);
@@ -216,15 +217,8 @@ impl Meshes {
         Ok(())
     }
 
-    /// Returns the names and vertex ranges of the instances; empty for a single instance.
-    pub(super) fn ranges(&self) -> Vec<(String, std::ops::Range<usize>)> {
-        let named = |number: usize| (self.instances[number].name.clone(), self.vertices(number));
-        let count = self.instances.len();
-        if count < 2 { Vec::new() } else { (0..count).map(named).collect() }
-    }
-
     /// Returns the vertices of an instance.
-    pub(super) fn vertices(&self, instance: usize) -> std::ops::Range<usize> {
+    pub(super) fn vertices(&self, instance: usize) -> Range<usize> {
         let end = self.instances.get(instance + 1).map_or(self.positions.len(), |next| next.first);
         self.instances[instance].first..end
     }
@@ -241,50 +235,33 @@ pub(super) fn default_weights(node: &Node<'_>, mesh: &Mesh<'_>) -> Vec<f64> {
     weights.iter().copied().map(f64::from).collect()
 }
 
-/// An attribute that morph targets displace.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) enum Attribute {
-    Positions,
-    /// Normalised after a displacement.
-    Normals,
-}
-
-/// Reads an attribute of a primitive's vertices, displaced by its morph targets with these weights; empty if the
-/// primitive lacks the attribute.
+/// Reads the positions or normals of a primitive's vertices, displaced by its morph targets with these weights; empty if
+/// the primitive lacks the attribute. Displaced normals are normalised.
 ///
 /// # Errors
 /// An accessor cannot be read, or the counts of an attribute and its displacements differ.
 pub(super) fn shaped(
     primitive: &Primitive<'_>,
-    attribute: Attribute,
+    attribute: Semantic,
     weights: &[f64],
-    buffers: &Buffers,
+    file: &Parsed,
     place: impl Fn() -> String,
 ) -> Result<Vec<[f64; 3]>, Error> {
-    let semantic = match attribute {
-        Attribute::Positions => Semantic::Positions,
-        Attribute::Normals => Semantic::Normals,
-    };
-    let Some(own) = primitive.get(&semantic) else { return Ok(Vec::new()) };
-    let mut all = numbers(&own, buffers, 3)?.as_chunks().0.to_vec();
+    let Some(own) = primitive.get(&attribute) else { return Ok(Vec::new()) };
+    let is_normal = attribute == Semantic::Normals;
+    let mut all = numbers(&own, &file.buffers, 3)?.as_chunks().0.to_vec();
     for (target, &weight) in primitive.morph_targets().zip(weights) {
-        let displaced = match attribute {
-            Attribute::Positions => target.positions(),
-            Attribute::Normals => target.normals(),
-        };
+        let displaced = if is_normal { target.normals() } else { target.positions() };
         let Some(displaced) = displaced.filter(|_| weight != 0.0) else { continue };
-        let by = numbers(&displaced, buffers, 3)?;
+        let by = numbers(&displaced, &file.buffers, 3)?;
         let (expected, found) = (3 * all.len(), by.len());
         if expected != found {
             return Err(other_count(place(), "displacements", expected, found));
         }
         for (own, by) in all.iter_mut().zip(by.as_chunks().0) {
             let sum = Vector3::from(*own) + Vector3::from(*by) * weight;
-            *own = match attribute {
-                Attribute::Positions => sum,
-                Attribute::Normals => sum.try_normalize(0.0).unwrap_or(sum),
-            }
-            .into();
+            let sum = if is_normal { sum.try_normalize(0.0).unwrap_or(sum) } else { sum };
+            *own = sum.into();
         }
     }
     Ok(all)
@@ -299,8 +276,8 @@ pub(super) struct Welded {
     pub(super) triangles: Vec<[usize; 3]>,
     /// The file's vertices as engine vertices, if they differ from the welded ones or have attributes.
     pub(super) engine: Option<EngineMesh>,
-    /// Number of vertices whose normal had no direction.
-    pub(super) repaired: usize,
+    /// A warning if normals of vertices had no direction.
+    pub(super) repaired: Option<FormatWarning>,
 }
 
 impl Welded {
@@ -330,15 +307,20 @@ impl Welded {
             tangents: tangents.then(|| meshes.tangents.clone()),
             uv: uv.then(|| meshes.uv.clone()),
         };
-        let repaired = engine.complete(&positions, &triangles);
+        let repaired = FormatWarning::repaired(engine.complete(&positions, &triangles));
         let engine = (!engine.is_plain()).then_some(engine);
         Self { firsts, triangles, engine, repaired }
     }
 
-    /// Converts a range of file vertices to welded vertices.
-    pub(super) fn range(&self, range: &Range<usize>) -> Range<usize> {
+    /// Returns the names and welded vertices of the instances; empty for a single instance.
+    pub(super) fn ranges(&self, meshes: &Meshes) -> Vec<(String, Range<usize>)> {
         let below = |end: usize| self.firsts.partition_point(|&first| first < end);
-        below(range.start)..below(range.end)
+        let named = |number: usize| {
+            let Range { start, end } = meshes.vertices(number);
+            (meshes.instances[number].name.clone(), below(start)..below(end))
+        };
+        let count = meshes.instances.len();
+        if count < 2 { Vec::new() } else { (0..count).map(named).collect() }
     }
 
     /// Picks the positions of the welded vertices, V, from those of the file.
@@ -355,7 +337,6 @@ fn key(meshes: &Meshes, instance: usize, own: usize, vertex: usize) -> Vec<u64> 
     influences.sort_by_key(|&(joint, _)| joint);
     let moved = meshes.instances[instance].morphs.iter().flat_map(|morph| &morph[own]);
     let place = meshes.positions[vertex].iter().chain(moved).map(bits);
-    place
-        .chain(influences.iter().flat_map(|(joint, weight)| [*joint as u64, bits(weight)]))
-        .collect()
+    let influences = influences.iter().flat_map(|(joint, weight)| [*joint as u64, bits(weight)]);
+    place.chain(influences).collect()
 }

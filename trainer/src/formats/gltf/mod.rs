@@ -12,20 +12,16 @@ pub(crate) mod write;
 use super::FormatWarning;
 use super::mesh::{Mesh, MeshFile, ShapedMesh};
 use super::posed_meshes::{Part, PosedMeshes};
-use super::scene::{
-    JointNames, Motion, MotionJoints, SampledScene, Sampling, bound, faults, unique_names,
-};
+use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling, faults};
 use crate::Error;
-use ::gltf::Document;
 use file::Parsed;
 use meshes::{Meshes, Wanted, Welded};
 use nalgebra::{Matrix4, Vector3};
-use nodes::{ClipKeys, Nodes};
 use rayon::prelude::*;
 use rigged::shown_meshes;
 use serde_json::Value;
 use sinew_runtime::format::Space;
-use skins::{Scene, Skins, move_mesh, no_skin, normal_matrix};
+use skins::{Scene, Skins, move_mesh, normal_matrix};
 use std::path::Path;
 
 /// Reads a rigged character: every mesh with a skin, its joints, and every clip that moves them.
@@ -34,28 +30,15 @@ use std::path::Path;
 /// The file cannot be read, or a part is missing or damaged.
 pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene, Error> {
     let parsed = file::open(path)?;
-    let Parsed { document, buffers, .. } = &parsed;
-    let nodes = Nodes::read(document)?;
-    let shown = nodes.shown(document);
     let wanted = Wanted { skinned_only: true, default_shape: true };
-    let mut meshes = Meshes::read(document, buffers, |node| shown[node], wanted)?;
-    if meshes.instances.is_empty() {
-        return Err(match meshes.unskinned.is_empty() {
-            _ if !shown.contains(&true) => faults::empty(),
-            true => faults::no_mesh(),
-            false => no_skin(),
-        });
-    }
-    let skins = Skins::read(document, buffers, &nodes, &mut meshes, !sampling.shapes)?;
-    let mut warnings = Vec::from_iter(skins.neutral(&nodes, &meshes));
-    warnings.extend(meshes.warnings().chain(parsed.warning()));
-    let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
-    let welded = Welded::new(&scene.meshes);
-    if welded.repaired > 0 {
-        warnings.push(FormatWarning::NormalsRepaired { count: welded.repaired });
-    }
-    let (names, equal) = skins.names(&scene.nodes);
-    warnings.extend(equal);
+    let mut meshes = Meshes::required(&parsed, wanted)?;
+    let skins = Skins::read(&parsed, &mut meshes, !sampling.shapes)?;
+    let mut warnings = Vec::from_iter(skins.neutral(&parsed.nodes, &meshes));
+    warnings.extend(meshes.warnings().chain(parsed.untargeted.clone()));
+    let scene = Scene::new(&parsed, meshes)?;
+    let mut welded = Welded::new(&scene.meshes);
+    let (names, equal) = parsed.nodes.tree.unique_names(|node| skins.joints.contains(&node));
+    warnings.extend(welded.repaired.take().into_iter().chain(equal));
     let (clips, moments) = scene.sample(&skins.joints, sampling, &mut warnings)?;
     let posed: Vec<_> = moments
         .par_iter()
@@ -69,23 +52,17 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
         })
         .collect();
     let (frames, shapes): (Vec<_>, Vec<_>) = posed.into_iter().unzip();
-    let parents = scene.nodes.parents_among(&skins.joints);
-    let names = skins.joints.iter().map(|&node| names[node].clone()).collect();
-    let morphs = moments.iter().any(|moment| moment.clip.shapes(|node| scene.shows(node)));
-    let ranges = scene.meshes.ranges().into_iter();
-    let ranges = ranges.map(|(name, range)| (name, welded.range(&range))).collect();
-    let joint_weights = skins.weights_of(&scene.meshes, &welded.firsts);
-    let rest = welded.pick(&scene.meshes.positions);
-    let Welded { triangles, engine, .. } = welded;
+    let mut clips_played = moments.iter().filter_map(|moment| moment.clip);
+    let morphs = clips_played.any(|clip| clip.shapes(|node| scene.shows(node)));
     Ok(SampledScene {
-        rest,
-        triangles,
-        engine,
-        ranges,
-        joint_weights: Some(joint_weights),
+        rest: welded.pick(&scene.meshes.positions),
+        ranges: welded.ranges(&scene.meshes),
+        joint_weights: Some(skins.weights_of(&scene.meshes, &welded.firsts)),
+        triangles: welded.triangles,
+        engine: welded.engine,
         space: Space::GLTF,
-        names,
-        parents,
+        names: skins.joints.iter().map(|&node| names[node].clone()).collect(),
+        parents: scene.nodes.tree.parents_among(&skins.joints),
         binds: skins.binds,
         frames: frames.concat(),
         shapes: sampling.shapes.then(|| shapes.concat()),
@@ -101,17 +78,11 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
 /// # Errors
 /// As [`read`], except that meshes may lack a skin. Also: no animation plays a morph target, and no mesh has a skin.
 pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, Error> {
-    let Parsed { document, buffers, .. } = file::open(path)?;
-    let nodes = Nodes::read(&document)?;
-    let shown = nodes.shown(&document);
+    let parsed = file::open(path)?;
     let wanted = Wanted { skinned_only: false, default_shape: true };
-    let mut meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
-    if meshes.instances.is_empty() {
-        let is_empty = !shown.contains(&true);
-        return Err(if is_empty { faults::empty() } else { faults::no_mesh() });
-    }
-    let skins = Skins::read(&document, &buffers, &nodes, &mut meshes, false)?;
-    let scene = Scene::new(nodes, meshes, ClipKeys::read(&document, &buffers)?);
+    let mut meshes = Meshes::required(&parsed, wanted)?;
+    let skins = Skins::read(&parsed, &mut meshes, false)?;
+    let scene = Scene::new(&parsed, meshes)?;
     let plays = scene.animations.iter().any(|clip| clip.shapes(|node| scene.shows(node)));
     if !plays && skins.joints.is_empty() {
         return Err(Error::missing(
@@ -150,19 +121,11 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, Error> {
 /// # Errors
 /// The file cannot be read, or a part is missing or damaged.
 pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, Error> {
-    let Parsed { document, buffers, .. } = file::open(path)?;
-    let nodes = Nodes::read(&document)?;
-    let shown = nodes.shown(&document);
-    let skinned_only =
-        shown_meshes(&document, &nodes).iter().any(|(_, node)| node.skin().is_some());
-    let wanted = Wanted { skinned_only, default_shape: true };
-    let mut meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
-    if meshes.instances.is_empty() {
-        let is_empty = !shown.contains(&true);
-        return Err(if is_empty { faults::empty() } else { faults::no_mesh() });
-    }
-    Skins::read(&document, &buffers, &nodes, &mut meshes, true)?;
-    let worlds = nodes.worlds(&nodes.locals);
+    let parsed = file::open(path)?;
+    let skinned_only = shown_meshes(&parsed).iter().any(|(_, node)| node.skin().is_some());
+    let mut meshes = Meshes::required(&parsed, Wanted { skinned_only, default_shape: true })?;
+    Skins::read(&parsed, &mut meshes, true)?;
+    let worlds = parsed.nodes.worlds(&parsed.nodes.locals);
     for instance in 0..meshes.instances.len() {
         if meshes.instances[instance].skin.is_none() {
             let world = worlds[meshes.instances[instance].node];
@@ -170,12 +133,9 @@ pub(in crate::formats) fn read_mesh(path: &Path) -> Result<MeshFile, Error> {
         }
     }
     let welded = Welded::new(&meshes);
-    let mut warnings: Vec<FormatWarning> = meshes.warnings().collect();
-    if welded.repaired > 0 {
-        warnings.push(FormatWarning::NormalsRepaired { count: welded.repaired });
-    }
     let positions = welded.pick(&meshes.positions);
-    let Welded { triangles, engine, .. } = welded;
+    let Welded { triangles, engine, repaired, .. } = welded;
+    let warnings = meshes.warnings().chain(repaired).collect();
     let mesh = Mesh { positions, triangles, engine }.checked()?;
     Ok(MeshFile { mesh, space: Some(Space::GLTF), warnings })
 }
@@ -201,26 +161,20 @@ pub(crate) fn read_motion(
     sampling: &Sampling<'_>,
 ) -> Result<Motion, Error> {
     let parsed = file::open(path)?;
-    let Parsed { document, buffers, .. } = &parsed;
-    let nodes = Nodes::read(document)?;
-    if nodes.names.is_empty() {
+    let tree = &parsed.nodes.tree;
+    if tree.names.is_empty() {
         return Err(faults::empty());
     }
     // Skins that disagree have no common bind pose; the nodes then give the rest pose.
-    let skins = Skins::all(document, buffers, &nodes).unwrap_or_default();
-    let joints = MotionJoints::find(candidates(document, &nodes, &skins), character, names)?;
-    let wanted = Wanted { skinned_only: true, default_shape: true };
-    let meshes = Meshes::read(document, buffers, |_| false, wanted)?;
-    let scene = Scene::new(nodes, meshes, ClipKeys::read(document, buffers)?);
+    let skins = Skins::all(&parsed).unwrap_or_default();
+    let joints = MotionJoints::find(candidates(&parsed, &skins), character, names)?;
+    let scene = Scene::new(&parsed, Meshes::default())?;
     let found = &joints.nodes;
-    let mut warnings = Vec::from_iter(parsed.warning());
+    let mut warnings = Vec::from_iter(parsed.untargeted.clone());
     let (clips, moments) = scene.sample(found, sampling, &mut warnings)?;
     let at_rest = scene.nodes.worlds(&scene.nodes.locals);
-    let mut binds = vec![None; at_rest.len()];
-    for (&node, &bind) in skins.joints.iter().zip(&skins.binds) {
-        binds[node] = Some(bind);
-    }
-    let binds = found.iter().map(|&node| bound(scene.nodes.upwards(node), &binds, &at_rest));
+    let binds = skins.binds_of_nodes(&parsed.nodes);
+    let binds = found.iter().map(|&node| tree.bound(node, &binds, &at_rest));
     let frames = moments.iter().flat_map(|moment| {
         let worlds = scene.nodes.worlds(&scene.at(moment).0);
         found.iter().map(|&node| worlds[node]).collect::<Vec<_>>()
@@ -239,59 +193,50 @@ pub(crate) fn read_motion(
 /// Returns the names of the nodes that may be joints, if a file shows nodes but no mesh with a skin. `None` also for a
 /// file that cannot be read.
 pub(crate) fn joints_alone(path: &Path) -> Option<Vec<String>> {
-    let Parsed { document, buffers, .. } = file::open(path).ok()?;
-    let nodes = Nodes::read(&document).ok()?;
-    let shown = nodes.shown(&document);
+    let parsed = file::open(path).ok()?;
     let wanted = Wanted { skinned_only: true, default_shape: true };
-    let meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted).ok()?;
-    if !meshes.instances.is_empty() || !shown.contains(&true) {
+    let meshes = Meshes::read(&parsed, wanted).ok()?;
+    if !meshes.instances.is_empty() || parsed.nodes.is_empty() {
         return None;
     }
-    let skins = Skins::all(&document, &buffers, &nodes).unwrap_or_default();
-    Some(candidates(&document, &nodes, &skins).into_iter().map(|(_, name)| name).collect())
+    let skins = Skins::all(&parsed).unwrap_or_default();
+    Some(candidates(&parsed, &skins).into_iter().map(|(_, name)| name).collect())
 }
 
 /// Lists the nodes that may be joints, with unique names; joints of skins come first.
 ///
 /// Without a skin, every node without a mesh is a joint. If an armature has the name of a joint below it, only the joint
 /// counts.
-fn candidates(document: &Document, nodes: &Nodes, skins: &Skins) -> Vec<(usize, String)> {
-    let shows: Vec<bool> = document.nodes().map(|node| node.mesh().is_some()).collect();
+fn candidates(file: &Parsed, skins: &Skins) -> Vec<(usize, String)> {
+    let tree = &file.nodes.tree;
+    let shows: Vec<bool> = file.document.nodes().map(|node| node.mesh().is_some()).collect();
     let below = |node: usize, other: &usize| {
-        let above = nodes.upwards(*other).skip(1).any(|above| above == node);
-        above && nodes.names[*other] == nodes.names[node] && !shows[*other]
+        let above = tree.upwards(*other).skip(1).any(|above| above == node);
+        above && tree.names[*other] == tree.names[node] && !shows[*other]
     };
     let is_joint = |node: usize| match skins.joints.is_empty() {
         false => skins.joints.contains(&node),
         true => !shows[node] && !(0..shows.len()).any(|other| below(node, &other)),
     };
-    let (labels, _) = unique_names(&nodes.names, &nodes.parents, is_joint);
-    let mut all: Vec<_> =
-        labels.into_iter().enumerate().filter(|(node, _)| !shows[*node]).collect();
-    all.sort_by_key(|(node, _)| !is_joint(*node));
-    all
+    tree.candidates(is_joint, |node| shows[node])
 }
 
 fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
-    let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
+    let parsed = file::parse(bytes, path)?;
+    let nodes = &parsed.nodes;
     let tree = file::tree(bytes)?;
-    let nodes = Nodes::read(&document)?;
-    let shown = nodes.shown(&document);
     // Default weights are not part of a face at rest.
     let wanted = Wanted { skinned_only: false, default_shape: false };
-    let meshes = Meshes::read(&document, &buffers, |node| shown[node], wanted)?;
+    let meshes = Meshes::read(&parsed, wanted)?;
     let (shaped, plain): (Vec<_>, Vec<_>) =
         (0..meshes.instances.len()).partition(|&at| !meshes.instances[at].morphs.is_empty());
     if shaped.is_empty() {
-        let is_empty = !shown.contains(&true);
-        return Err(if is_empty { faults::empty() } else { faults::no_shapes() });
+        return Err(if nodes.is_empty() { faults::empty() } else { faults::no_shapes() });
     }
     let mut out = ShapedMesh { space: Space::GLTF, is_split: true, ..ShapedMesh::default() };
     out.warnings.extend(meshes.warnings());
-    if !plain.is_empty() {
-        let meshes = plain.iter().map(|&at| meshes.instances[at].name.clone()).collect();
-        out.warnings.push(FormatWarning::UnshapedMeshes { meshes });
-    }
+    let plain = plain.iter().map(|&at| meshes.instances[at].name.clone()).collect();
+    out.warnings.extend(FormatWarning::listed(FormatWarning::UnshapedMeshes, plain));
     let worlds = nodes.worlds(&nodes.locals);
     let [has_normals, _, has_uv] = meshes.authored;
     let mut normals = Vec::new();
@@ -313,7 +258,7 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
                 Vector3::from(normal_matrix(&world) * Vector3::from(meshes.normals[vertex]));
             normals.push(normal.try_normalize(0.0).unwrap_or_default().into());
         }
-        let mesh = document.nodes().nth(instance.node).and_then(|node| node.mesh());
+        let mesh = parsed.document.nodes().nth(instance.node).and_then(|node| node.mesh());
         let names = mesh.map(|mesh| &tree["meshes"][mesh.index()]["extras"]["targetNames"]);
         for (target, deltas) in instance.morphs.iter().enumerate() {
             let name = names.and_then(|names| names.get(target)).and_then(Value::as_str);

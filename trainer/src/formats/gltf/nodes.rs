@@ -1,8 +1,8 @@
 //! The nodes of a glTF file, a forest of local transforms, and the animations that move them.
 
-use super::file::{Buffers, numbers, other_count, unnamed_clip};
+use super::file::{Parsed, numbers, other_count, unnamed_clip};
 use crate::Error;
-use crate::formats::scene::faults;
+use crate::formats::scene::{Hierarchy, faults};
 use gltf::animation::{Interpolation, Property};
 use gltf::{Animation, Document};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -25,10 +25,10 @@ pub(super) enum Local {
 
 /// All nodes of the file.
 pub(super) struct Nodes {
-    /// Names of the nodes; made up for nodes without a name.
-    pub(super) names: Vec<String>,
-    /// Parent of each node.
-    pub(super) parents: Vec<Option<usize>>,
+    /// Names, made up for nodes without a name, and parents.
+    pub(super) tree: Hierarchy,
+    /// Which nodes belong to the default scene; all nodes if the file has no scene.
+    pub(super) shown: Vec<bool>,
     /// Transform of each node without animation.
     pub(super) locals: Vec<Local>,
     /// Nodes, parents before children.
@@ -51,32 +51,42 @@ impl Nodes {
             Error::damaged(format!("node {node} has two parents or is its own ancestor"))
         };
         let mut parents = vec![None; names.len()];
+        let mut children = vec![Vec::new(); names.len()];
         for node in document.nodes() {
-            for child in node.children() {
-                if parents[child.index()].replace(node.index()).is_some() {
-                    return Err(no_tree(child.index()));
+            for child in node.children().map(|child| child.index()) {
+                if parents[child].replace(node.index()).is_some() {
+                    return Err(no_tree(child));
                 }
+                children[node.index()].push(child);
             }
         }
         let mut order: Vec<usize> =
             (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
-        let children: Vec<Vec<usize>> = document
-            .nodes()
-            .map(|node| node.children().map(|child| child.index()).collect())
-            .collect();
         let mut next = 0;
         while let Some(&node) = order.get(next) {
             order.extend(&children[node]);
             next += 1;
         }
         // Every node has at most one parent, so nodes that hang under no root form a cycle.
-        if let Some(node) =
-            (0..parents.len()).find(|node| order.len() < parents.len() && !order.contains(node))
-        {
+        let is_in_cycle = |node: &usize| order.len() < parents.len() && !order.contains(node);
+        if let Some(node) = (0..parents.len()).find(is_in_cycle) {
             return Err(no_tree(node));
         }
         let locals = document.nodes().map(|node| local(&node.transform())).collect();
-        Ok(Self { names, parents, locals, order })
+        let mut shown = vec![true; names.len()];
+        let tree = Hierarchy { names, parents };
+        if let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) {
+            let roots: Vec<usize> = scene.nodes().map(|node| node.index()).collect();
+            for (node, shown) in shown.iter_mut().enumerate() {
+                *shown = tree.upwards(node).any(|up| roots.contains(&up));
+            }
+        }
+        Ok(Self { tree, shown, locals, order })
+    }
+
+    /// Returns whether the default scene has no node.
+    pub(super) fn is_empty(&self) -> bool {
+        !self.shown.contains(&true)
     }
 
     /// Returns the world transform of every node.
@@ -84,29 +94,9 @@ impl Nodes {
         let mut worlds = vec![Matrix4::identity(); locals.len()];
         for &node in &self.order {
             let local = locals[node].matrix();
-            worlds[node] = self.parents[node].map_or(local, |parent| worlds[parent] * local);
+            worlds[node] = self.tree.parents[node].map_or(local, |parent| worlds[parent] * local);
         }
         worlds
-    }
-
-    /// Returns which nodes belong to the default scene; all nodes if the file has no scene.
-    pub(super) fn shown(&self, document: &Document) -> Vec<bool> {
-        let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) else {
-            return vec![true; self.names.len()];
-        };
-        let roots: Vec<usize> = scene.nodes().map(|node| node.index()).collect();
-        (0..self.names.len()).map(|node| self.upwards(node).any(|up| roots.contains(&up))).collect()
-    }
-
-    /// Returns, for each joint, the nearest joint above it; several may have none.
-    pub(super) fn parents_among(&self, joints: &[usize]) -> Vec<Option<usize>> {
-        let of = |node: usize| joints.iter().position(|&joint| joint == node);
-        joints.iter().map(|&node| self.upwards(node).skip(1).find_map(of)).collect()
-    }
-
-    /// Walks from a node up to its root.
-    pub(super) fn upwards(&self, node: usize) -> impl Iterator<Item = usize> + Clone + '_ {
-        std::iter::successors(Some(node), |&node| self.parents[node])
     }
 }
 
@@ -125,7 +115,6 @@ impl Local {
 }
 
 /// An animation.
-#[derive(Default)]
 pub(super) struct ClipKeys {
     /// Name of the animation; made up if the file has none.
     pub(super) name: String,
@@ -137,11 +126,11 @@ impl ClipKeys {
     ///
     /// # Errors
     /// An accessor cannot be read, counts of keys and values differ, or key times are not ascending.
-    pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<Vec<Self>, Error> {
-        document.animations().map(|animation| Self::read_one(&animation, buffers)).collect()
+    pub(super) fn read(file: &Parsed) -> Result<Vec<Self>, Error> {
+        file.document.animations().map(|animation| Self::read_one(&animation, file)).collect()
     }
 
-    fn read_one(animation: &Animation<'_>, buffers: &Buffers) -> Result<Self, Error> {
+    fn read_one(animation: &Animation<'_>, file: &Parsed) -> Result<Self, Error> {
         let name = match animation.name() {
             Some(name) => name.to_owned(),
             None => unnamed_clip(animation.index()),
@@ -159,8 +148,8 @@ impl ClipKeys {
                     (primitives.map_or(0, |primitive| primitive.morph_targets().len()), 1)
                 }
             };
-            let times = numbers(&sampler.input(), buffers, 1)?;
-            let values = numbers(&sampler.output(), buffers, components)?;
+            let times = numbers(&sampler.input(), &file.buffers, 1)?;
+            let values = numbers(&sampler.output(), &file.buffers, components)?;
             let interpolation = sampler.interpolation();
             let per_key =
                 if interpolation == Interpolation::CubicSpline { 3 * width } else { width };
@@ -202,17 +191,16 @@ impl ClipKeys {
     pub(super) fn apply(&self, time: f64, locals: &mut [Local], weights: &mut [Vec<f64>]) {
         for channel in &self.channels {
             let value = channel.at(time);
-            if channel.property == Property::MorphTargetWeights {
-                weights[channel.node] = value;
-                continue;
-            }
-            let Local::Parts { translation, rotation, scale } = &mut locals[channel.node] else {
-                continue;
-            };
-            match channel.property {
-                Property::Translation => *translation = Vector3::from_column_slice(&value),
-                Property::Scale => *scale = Vector3::from_column_slice(&value),
-                _ => *rotation = quaternion(&value),
+            match (channel.property, &mut locals[channel.node]) {
+                (Property::MorphTargetWeights, _) => weights[channel.node] = value,
+                (_, Local::Matrix(_)) => {}
+                (Property::Rotation, Local::Parts { rotation, .. }) => {
+                    *rotation = quaternion(&value)
+                }
+                (Property::Translation, Local::Parts { translation: vector, .. })
+                | (Property::Scale, Local::Parts { scale: vector, .. }) => {
+                    *vector = Vector3::from_column_slice(&value);
+                }
             }
         }
     }

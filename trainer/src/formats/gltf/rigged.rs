@@ -1,11 +1,11 @@
 //! glTF files that are kept whole to be extended, and the appearance of their meshes.
 
 use super::file::{self, Buffers, Parsed, is_surface, triangles};
-use super::meshes::{Attribute, default_weights, has_surface, shaped};
-use super::nodes::Nodes;
+use super::meshes::{default_weights, has_surface, shaped};
 use super::skins::Skins;
+use super::write::{push, take_list};
 use crate::Error;
-use crate::formats::materials::{self, Appearance, Image};
+use crate::formats::appearance::{Appearance, Image, image_kind, missing_image};
 use crate::formats::scene::faults;
 use ::gltf::{Document, Semantic};
 use nalgebra::Matrix4;
@@ -62,38 +62,28 @@ impl RiggedFile {
     /// # Errors
     /// The file cannot be read, a part is damaged, or meshes are compressed.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        Self::parse(&file::read(path)?, path)
-    }
-
-    fn parse(bytes: &[u8], path: &Path) -> Result<Self, Error> {
-        let Parsed { document, buffers, .. } = file::parse(bytes, path)?;
+        let bytes = file::read(path)?;
+        let parsed = file::parse(&bytes, path)?;
+        let Parsed { document, buffers, nodes, .. } = &parsed;
         let compressed = |name: &&str| document.extensions_used().any(|used| used == *name);
         if let Some(name) = COMPRESSIONS.iter().find(|name| compressed(name)) {
             return Err(file::unread_extension(name));
         }
-        let nodes = Nodes::read(&document)?;
-        if !nodes.shown(&document).contains(&true) {
+        if nodes.is_empty() {
             return Err(faults::empty());
         }
-        let locals: Vec<_> = nodes.locals.iter().map(|local| local.matrix()).collect();
-        let (meshes, skins) = meshes(&document, &buffers, &nodes)?;
-        let mut binds = vec![None; locals.len()];
-        for (&node, &bind) in skins.joints.iter().zip(&skins.binds) {
-            binds[node] = Some(bind);
-        }
-        let tree = file::tree(bytes)?;
-        let (names, _) = skins.names(&nodes);
+        let (meshes, skins) = meshes(&parsed)?;
         let mut file = Self {
-            tree,
+            tree: file::tree(&bytes)?,
             bytes: Vec::new(),
-            names,
-            parents: nodes.parents,
-            order: nodes.order,
-            locals,
-            binds,
+            names: nodes.tree.unique_names(|node| skins.joints.contains(&node)).0,
+            parents: nodes.tree.parents.clone(),
+            order: nodes.order.clone(),
+            locals: nodes.locals.iter().map(|local| local.matrix()).collect(),
+            binds: skins.binds_of_nodes(nodes),
             meshes,
         };
-        file.join_buffers(&document, &buffers);
+        file.join_buffers(document, buffers);
         file.embed_images(path)?;
         Ok(file)
     }
@@ -146,15 +136,14 @@ impl RiggedFile {
             let Some(uri) = uri else { continue };
             let damaged = |reason: String| Error::damaged(format!("image {image}: {reason}"));
             let bytes = file::resource(&uri, path).map_err(damaged)?;
-            let kind = materials::image_kind(&bytes)
+            let kind = image_kind(&bytes)
                 .ok_or_else(|| damaged(format!("{uri} is no PNG, JPEG, WebP or KTX2 file")))?;
             self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
             let view =
                 json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
             self.bytes.extend(bytes);
             let views = self.tree.entry("bufferViews").or_insert_with(|| json!([]));
-            let number = views.as_array().map_or(0, Vec::len);
-            views.as_array_mut().into_iter().for_each(|views| views.push(view.clone()));
+            let number = views.as_array_mut().map_or(0, |views| push(views, view));
             if let Some(Value::Object(image)) = self.items("images").nth(image) {
                 image.remove("uri");
                 image.insert("bufferView".to_owned(), json!(number));
@@ -166,12 +155,8 @@ impl RiggedFile {
 }
 
 /// Lists the meshes of a character, with the nodes that show them: all with a skin, or all meshes if none has a skin.
-pub(super) fn shown_meshes<'a>(
-    document: &'a Document,
-    nodes: &Nodes,
-) -> Vec<(::gltf::Mesh<'a>, ::gltf::Node<'a>)> {
-    let shown = nodes.shown(document);
-    let all = document.nodes().filter(|node| shown[node.index()]);
+pub(super) fn shown_meshes(file: &Parsed) -> Vec<(::gltf::Mesh<'_>, ::gltf::Node<'_>)> {
+    let all = file.document.nodes().filter(|node| file.nodes.shown[node.index()]);
     let mut all: Vec<_> = all
         .filter_map(|node| Some((node.mesh()?, node)))
         .filter(|(mesh, _)| has_surface(mesh))
@@ -188,22 +173,20 @@ pub(super) fn shown_meshes<'a>(
 /// The file cannot be read, or a part is damaged.
 pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, Error> {
     let bytes = file::read(path)?;
-    let Parsed { document, buffers, .. } = file::parse(&bytes, path)?;
+    let parsed = file::parse(&bytes, path)?;
+    let Parsed { document, buffers, .. } = &parsed;
     let mut tree = file::tree(&bytes)?;
-    let meshes = shown_meshes(&document, &Nodes::read(&document)?);
+    let meshes = shown_meshes(&parsed);
     let primitives = meshes.iter().flat_map(|(mesh, _)| mesh.primitives());
     let mut of_triangles = Vec::new();
     for primitive in primitives.filter(is_surface) {
         let positions = primitive.get(&Semantic::Positions);
         let vertex_len = positions.map_or(0, |positions| positions.count());
         let place = || "the meshes".to_owned();
-        let count = triangles(&primitive, &buffers, vertex_len, place)?.len();
+        let count = triangles(&primitive, buffers, vertex_len, place)?.len();
         of_triangles.extend(std::iter::repeat_n(primitive.material().index(), count));
     }
-    let mut list = |name: &str| match tree.remove(name) {
-        Some(Value::Array(items)) => items,
-        _ => Vec::new(),
-    };
+    let mut list = |name: &str| take_list(&mut tree, name);
     let mut appearance = Appearance {
         mesh: match meshes.as_slice() {
             [(mesh, node)] => node.name().or(mesh.name()).map(str::to_owned),
@@ -222,10 +205,10 @@ pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, Err
         let name = name.filter(|name| !name.starts_with("data:")).map(str::to_owned);
         let uri = members.get("uri").and_then(Value::as_str);
         let looked_for = uri.and_then(|uri| file::beside(uri, path).ok());
-        let found = picture(members, &document, &buffers, path);
+        let found = picture(members, document, buffers, path);
         if found.is_none() {
             let name = name.unwrap_or_else(|| format!("image {number}"));
-            appearance.missing.push(materials::missing_image(&name, looked_for.as_slice()));
+            appearance.missing.push(missing_image(&name, looked_for.as_slice()));
         }
         images.push(found);
     }
@@ -238,38 +221,27 @@ pub(in crate::formats) fn read_appearance(path: &Path) -> Result<Appearance, Err
 }
 
 /// Reads the meshes of a character and their joints.
-fn meshes(
-    document: &Document,
-    buffers: &Buffers,
-    nodes: &Nodes,
-) -> Result<(Vec<RiggedMesh>, Skins), Error> {
+fn meshes(file: &Parsed) -> Result<(Vec<RiggedMesh>, Skins), Error> {
+    let nodes = &file.nodes;
     let worlds = nodes.worlds(&nodes.locals);
     let mut skins = Skins::default();
     let mut meshes: Vec<RiggedMesh> = Vec::new();
-    for (mesh, node) in shown_meshes(document, nodes) {
-        let name = nodes.names[node.index()].clone();
+    for (mesh, node) in shown_meshes(file) {
+        let name = nodes.tree.names[node.index()].clone();
         let name = node.name().or(mesh.name()).map_or(name, str::to_owned);
         let skin = node.skin().map(|skin| skin.index());
-        let to_bind = match node.skin().filter(|skin| !skins.members.contains_key(&skin.index())) {
-            Some(skin) => {
-                let joined = skins.join(&skin, buffers, nodes, &name)?;
-                let shift = joined.shift;
-                skins.members.insert(skin.index(), joined);
-                shift
-            }
-            None => match skin.and_then(|skin| skins.members.get(&skin)) {
-                Some(joined) => joined.shift,
-                None => meshes
-                    .first()
-                    .and_then(|first| worlds[first.node].try_inverse())
-                    .map_or_else(Matrix4::identity, |back| back * worlds[node.index()]),
-            },
+        let to_bind = match node.skin() {
+            Some(skin) => skins.join(&skin, file, &name)?.shift,
+            None => meshes
+                .first()
+                .and_then(|first| worlds[first.node].try_inverse())
+                .map_or_else(Matrix4::identity, |back| back * worlds[node.index()]),
         };
         let weights = default_weights(&node, &mesh);
         let place = || format!("mesh {name}");
         let positions = mesh
             .primitives()
-            .map(|primitive| shaped(&primitive, Attribute::Positions, &weights, buffers, place));
+            .map(|primitive| shaped(&primitive, Semantic::Positions, &weights, file, place));
         let positions = positions.collect::<Result<_, Error>>()?;
         let surfaces = mesh.primitives().map(|primitive| is_surface(&primitive)).collect();
         let (node, mesh) = (node.index(), mesh.index());
@@ -295,6 +267,6 @@ fn picture(
         }
         (None, uri) => file::resource(uri?.as_str()?, path).ok()?,
     };
-    materials::image_kind(&bytes)?;
+    image_kind(&bytes)?;
     Some(Image { members, bytes })
 }

@@ -1,12 +1,11 @@
 //! The skins of a glTF file, joined into one skeleton, and the scene that they move in.
 
-use super::file::{Buffers, no_such, numbers, other_count};
-use super::meshes::{Instance, Meshes};
+use super::file::{Parsed, no_such, numbers, other_count};
+use super::meshes::Meshes;
 use super::nodes::{ClipKeys, Local, Nodes};
 use crate::Error;
 use crate::formats::FormatWarning;
-use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, faults, samples, unique_names};
-use gltf::Document;
+use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, faults, samples};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use std::collections::HashMap;
 
@@ -25,7 +24,7 @@ pub(super) struct Skins {
     pub(super) binds: Vec<Matrix4<f64>>,
     /// Inverses of `binds`.
     pub(super) inverse_binds: Vec<Matrix4<f64>>,
-    /// The skins of the meshes, by their index in the file.
+    /// The joined skins, by their index in the file.
     pub(super) members: HashMap<usize, Member>,
 }
 
@@ -46,26 +45,16 @@ impl Skins {
     /// # Errors
     /// A skin is missing, a vertex has no joint weight or names a missing joint, a bind matrix cannot be read or
     /// inverted, or two meshes bind a joint at different places.
-    pub(super) fn read(
-        document: &Document,
-        buffers: &Buffers,
-        nodes: &Nodes,
-        meshes: &mut Meshes,
-        unbound: bool,
-    ) -> Result<Self, Error> {
+    pub(super) fn read(file: &Parsed, meshes: &mut Meshes, unbound: bool) -> Result<Self, Error> {
         let mut all = Self::default();
         for instance in 0..meshes.instances.len() {
             let mesh = meshes.instances[instance].name.clone();
             let Some(number) = meshes.instances[instance].skin else { continue };
-            let skin = document.skins().nth(number).ok_or_else(no_skin)?;
-            let joined = match all.members.remove(&skin.index()) {
-                Some(joined) => joined,
-                None => all.join(&skin, buffers, nodes, &mesh)?,
-            };
+            let skin = file.document.skins().nth(number).ok_or_else(no_skin)?;
+            let joined = all.join(&skin, file, &mesh)?;
             let influences = &meshes.influences[meshes.vertices(instance)];
             check_influences(influences, joined.joints.len(), &mesh, unbound)?;
             move_mesh(meshes, instance, &joined.shift);
-            all.members.insert(skin.index(), joined);
         }
         Ok(all)
     }
@@ -74,30 +63,38 @@ impl Skins {
     ///
     /// # Errors
     /// Those of [`Skins::join`].
-    pub(super) fn all(
-        document: &Document,
-        buffers: &Buffers,
-        nodes: &Nodes,
-    ) -> Result<Self, Error> {
+    pub(super) fn all(file: &Parsed) -> Result<Self, Error> {
         let mut all = Self::default();
-        for skin in document.skins() {
-            all.join(&skin, buffers, nodes, skin.name().unwrap_or("none"))?;
+        for skin in file.document.skins() {
+            all.join(&skin, file, skin.name().unwrap_or("none"))?;
         }
         Ok(all)
     }
 
-    /// Adds the joints of a skin to the skeleton.
+    /// Adds the joints of a skin to the skeleton, unless the skin is already joined.
     ///
     /// # Errors
     /// A bind matrix cannot be read or inverted, or another mesh binds a joint at a different place.
     pub(super) fn join(
         &mut self,
         skin: &gltf::Skin<'_>,
-        buffers: &Buffers,
-        nodes: &Nodes,
+        file: &Parsed,
+        mesh: &str,
+    ) -> Result<&Member, Error> {
+        let member = match self.members.remove(&skin.index()) {
+            Some(member) => member,
+            None => self.joined(skin, file, mesh)?,
+        };
+        Ok(&*self.members.entry(skin.index()).or_insert(member))
+    }
+
+    fn joined(
+        &mut self,
+        skin: &gltf::Skin<'_>,
+        file: &Parsed,
         mesh: &str,
     ) -> Result<Member, Error> {
-        let (joint_nodes, own) = read_one(skin, buffers, mesh)?;
+        let (joint_nodes, own) = read_one(skin, file, mesh)?;
         let known = |joints: &[usize], node| joints.iter().position(|&joint| joint == node);
         let shared = joint_nodes.iter().zip(&own).find_map(|(&node, own)| {
             known(&self.joints, node).map(|joint| self.binds[joint] * own)
@@ -105,7 +102,7 @@ impl Skins {
         let shift = shared.unwrap_or_else(Matrix4::identity);
         let mut joints = Vec::with_capacity(joint_nodes.len());
         for (&node, own) in joint_nodes.iter().zip(&own) {
-            let name = nodes.names[node].as_str();
+            let name = file.nodes.tree.names[node].as_str();
             let singular = || faults::singular_bind(name);
             let inverse = own * shift.try_inverse().ok_or_else(singular)?;
             let joint = match known(&self.joints, node) {
@@ -127,7 +124,8 @@ impl Skins {
 
     /// Warns of the joint that Blender adds for vertices without weights.
     pub(super) fn neutral(&self, nodes: &Nodes, meshes: &Meshes) -> Option<FormatWarning> {
-        let neutral = |&joint: &usize| nodes.names[self.joints[joint]].starts_with(NEUTRAL);
+        let name = |joint: usize| &nodes.tree.names[self.joints[joint]];
+        let neutral = |&joint: &usize| name(joint).starts_with(NEUTRAL);
         let found = (0..self.joints.len()).find(neutral)?;
         let followers = meshes.instances.iter().enumerate().map(|(number, instance)| {
             let Some(member) = instance.skin.and_then(|skin| self.members.get(&skin)) else {
@@ -138,8 +136,7 @@ impl Skins {
             let own = &meshes.influences[meshes.vertices(number)];
             own.iter().filter(|influences| influences.iter().any(follows)).count()
         });
-        let joint = nodes.names[self.joints[found]].clone();
-        Some(FormatWarning::NeutralBone { joint, count: followers.sum() })
+        Some(FormatWarning::NeutralBone { joint: name(found).clone(), count: followers.sum() })
     }
 
     /// Returns the joint weights of some vertices (in ascending order): a row of J for each vertex.
@@ -157,13 +154,13 @@ impl Skins {
         all
     }
 
-    /// Returns the names of all nodes, with the names of joints made unique, and a warning if names changed.
-    pub(super) fn names(&self, nodes: &Nodes) -> (Vec<String>, Option<FormatWarning>) {
-        let is_joint = |node: usize| self.joints.contains(&node);
-        let (names, renamed) = unique_names(&nodes.names, &nodes.parents, is_joint);
-        let joints: Vec<String> = renamed.into_iter().map(|node| names[node].clone()).collect();
-        let warning = (!joints.is_empty()).then_some(FormatWarning::EqualNames { joints });
-        (names, warning)
+    /// Returns the bind frame of each node; `None` for a node that is no joint.
+    pub(super) fn binds_of_nodes(&self, nodes: &Nodes) -> Vec<Option<Matrix4<f64>>> {
+        let mut binds = vec![None; nodes.locals.len()];
+        for (&node, &bind) in self.joints.iter().zip(&self.binds) {
+            binds[node] = Some(bind);
+        }
+        binds
     }
 }
 
@@ -202,24 +199,26 @@ pub(super) fn normal_matrix(world: &Matrix4<f64>) -> Matrix3<f64> {
 }
 
 /// The nodes, meshes and animations of a file.
-pub(super) struct Scene {
-    pub(super) nodes: Nodes,
+pub(super) struct Scene<'a> {
+    pub(super) nodes: &'a Nodes,
     pub(super) meshes: Meshes,
     pub(super) animations: Vec<ClipKeys>,
-    /// A clip without keys.
-    pub(super) nothing: ClipKeys,
 }
 
-/// A time of a clip.
+/// A time of a clip; without a clip, the scene without animation.
 #[derive(Clone, Copy)]
 pub(super) struct Moment<'a> {
-    pub(super) clip: &'a ClipKeys,
+    pub(super) clip: Option<&'a ClipKeys>,
     pub(super) time: f64,
 }
 
-impl Scene {
-    pub(super) fn new(nodes: Nodes, meshes: Meshes, animations: Vec<ClipKeys>) -> Self {
-        Self { nodes, meshes, animations, nothing: ClipKeys::default() }
+impl<'a> Scene<'a> {
+    /// Reads the animations that move some meshes.
+    ///
+    /// # Errors
+    /// Those of [`ClipKeys::read`].
+    pub(super) fn new(file: &'a Parsed, meshes: Meshes) -> Result<Self, Error> {
+        Ok(Self { nodes: &file.nodes, meshes, animations: ClipKeys::read(file)? })
     }
 
     /// Lists the clips to read and their sample times, for these moving joints or other nodes.
@@ -233,20 +232,20 @@ impl Scene {
         warnings: &mut Vec<FormatWarning>,
     ) -> Result<(Vec<Clip>, Vec<Moment<'_>>), Error> {
         if sampling.still {
-            return Ok((vec![Clip::still()], vec![Moment { clip: &self.nothing, time: 0.0 }]));
+            return Ok((vec![Clip::still()], vec![Moment { clip: None, time: 0.0 }]));
         }
         let names: Vec<String> = self.animations.iter().map(|keys| keys.name.clone()).collect();
         sampling.check(names.clone())?;
-        let mut moved = vec![false; self.nodes.names.len()];
-        for node in joints.iter().flat_map(|&joint| self.nodes.upwards(joint)) {
+        let mut moved = vec![false; self.nodes.locals.len()];
+        for node in joints.iter().flat_map(|&joint| self.nodes.tree.upwards(joint)) {
             moved[node] = true;
         }
-        let parents = self.nodes.parents_among(joints);
+        let parents = self.nodes.tree.parents_among(joints);
         let (mut clips, mut moments, mut idle) = (Vec::new(), Vec::new(), Vec::new());
         for keys in self.animations.iter().filter(|keys| sampling.takes(&keys.name)) {
             let times = keys.times(|node| moved[node], |node| self.shows(node));
             let pose = |time| {
-                let worlds = self.nodes.worlds(&self.at(&Moment { clip: keys, time }).0);
+                let worlds = self.nodes.worlds(&self.at(&Moment { clip: Some(keys), time }).0);
                 Ok(joints.iter().map(|&node| worlds[node]).collect())
             };
             let joints = MovingJoints { parents: &parents, frame: 0.0, pose };
@@ -255,17 +254,14 @@ impl Scene {
                 idle.push(keys.name.clone());
                 continue;
             }
-            let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
-            clips.push(Clip::at(keys.name.clone(), moments.len(), &times));
-            let moment = |Sample { at: time, .. }| Moment { clip: keys, time };
+            clips.push(Clip::sampled(keys.name.clone(), moments.len(), &samples));
+            let moment = |Sample { at: time, .. }| Moment { clip: Some(keys), time };
             moments.extend(samples.into_iter().map(moment));
         }
         if clips.is_empty() {
             return Err(faults::nothing_moves(&names));
         }
-        if !idle.is_empty() {
-            warnings.push(FormatWarning::IdleClips { clips: idle });
-        }
+        warnings.extend(FormatWarning::listed(FormatWarning::IdleClips, idle));
         Ok((clips, moments))
     }
 
@@ -281,7 +277,9 @@ impl Scene {
         for instance in &self.meshes.instances {
             weights[instance.node].clone_from(&instance.weights);
         }
-        moment.clip.apply(moment.time, &mut locals, &mut weights);
+        if let Some(clip) = moment.clip {
+            clip.apply(moment.time, &mut locals, &mut weights);
+        }
         (locals, weights)
     }
 
@@ -298,26 +296,6 @@ impl Scene {
             .zip(&skins.inverse_binds)
             .map(|(&joint, inverse)| worlds[joint] * inverse)
             .collect();
-        self.each(weights, |instance, vertex, shape| {
-            let Some(skin) = instance.skin else {
-                return worlds[instance.node].transform_point(&shape.into()).coords;
-            };
-            let members = &skins.members[&skin].joints;
-            let (mut sum, mut total) = (Vector3::zeros(), 0.0);
-            for &(member, weight) in &self.meshes.influences[vertex] {
-                sum += maps[members[member]].transform_point(&shape.into()).coords * weight;
-                total += weight;
-            }
-            sum / total
-        })
-    }
-
-    /// Applies the morph targets to every vertex, and then `place`.
-    fn each(
-        &self,
-        weights: &[Vec<f64>],
-        place: impl Fn(&Instance, usize, Vector3<f64>) -> Vector3<f64>,
-    ) -> Vec<[f64; 3]> {
         let mut all = Vec::with_capacity(self.meshes.positions.len());
         for (number, instance) in self.meshes.instances.iter().enumerate() {
             let more = weights[instance.node].iter().zip(&instance.weights);
@@ -325,12 +303,22 @@ impl Scene {
             let more = more.map(|(weight, default)| weight - default);
             let active = instance.morphs.iter().zip(more);
             let active: Vec<_> = active.filter(|(_, weight)| *weight != 0.0).collect();
+            let members = instance.skin.map(|skin| &skins.members[&skin].joints);
             for (own, vertex) in self.meshes.vertices(number).enumerate() {
                 let mut shape = Vector3::from(self.meshes.positions[vertex]);
                 for (morph, weight) in &active {
                     shape += Vector3::from(morph[own]) * *weight;
                 }
-                all.push(place(instance, vertex, shape).into());
+                let Some(members) = members else {
+                    all.push(worlds[instance.node].transform_point(&shape.into()).into());
+                    continue;
+                };
+                let (mut sum, mut total) = (Vector3::zeros(), 0.0);
+                for &(member, weight) in &self.meshes.influences[vertex] {
+                    sum += maps[members[member]].transform_point(&shape.into()).coords * weight;
+                    total += weight;
+                }
+                all.push((sum / total).into());
             }
         }
         all
@@ -369,7 +357,7 @@ pub(super) fn no_skin() -> Error {
 /// Reads the joints of a skin and their inverse bind matrices, which are identities if the skin has none.
 fn read_one(
     skin: &gltf::Skin<'_>,
-    buffers: &Buffers,
+    file: &Parsed,
     mesh: &str,
 ) -> Result<(Vec<usize>, Vec<Matrix4<f64>>), Error> {
     let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
@@ -377,7 +365,7 @@ fn read_one(
         let own = vec![Matrix4::identity(); joints.len()];
         return Ok((joints, own));
     };
-    let own = numbers(&accessor, buffers, 16)?;
+    let own = numbers(&accessor, &file.buffers, 16)?;
     let own: Vec<_> = own.chunks_exact(16).map(Matrix4::from_column_slice).collect();
     if own.len() < joints.len() {
         let (expected, found) = (joints.len(), own.len());

@@ -12,6 +12,9 @@ pub(crate) const F32: u32 = 5126;
 /// Bytes of a GLB's header and of the headers of its two chunks.
 const HEADS: usize = 12 + 8 + 8;
 
+/// Names of the lists that a [`Document`] extends, in the order of its fields.
+const LISTS: [&str; 6] = ["nodes", "meshes", "skins", "animations", "accessors", "bufferViews"];
+
 /// A node of the document.
 pub(crate) type NodeIndex = usize;
 /// A skin of the document.
@@ -112,11 +115,6 @@ impl ArrayKind {
     pub(crate) const fn floats(element: &'static str) -> Self {
         Self { component: F32, element, target: None }
     }
-
-    /// Vertex indices.
-    const fn indices(component: u32) -> Self {
-        Self { component, element: "SCALAR", target: Some(34963) }
-    }
 }
 
 impl Document {
@@ -131,15 +129,9 @@ impl Document {
 
     /// Begins with a file's JSON and the bytes of its single buffer.
     pub(crate) fn of(mut root: Map<String, Value>, bytes: Vec<u8>) -> Self {
-        let mut list = |name: &str| match root.remove(name) {
-            Some(Value::Array(items)) => items,
-            _ => Vec::new(),
-        };
-        let [nodes, meshes, skins] = ["nodes", "meshes", "skins"].map(&mut list);
-        let [animations, accessors] = ["animations", "accessors"].map(&mut list);
-        let views = list("bufferViews");
-        let shown = root.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
-        let scene = root.get_mut("scenes").and_then(|scenes| scenes.get_mut(shown));
+        let [nodes, meshes, skins, animations, accessors, views] =
+            LISTS.map(|name| take_list(&mut root, name));
+        let scene = shown_scene(&mut root);
         let scene = scene.map(|scene| match scene.get_mut("nodes").map(Value::take) {
             Some(Value::Array(nodes)) => nodes,
             _ => Vec::new(),
@@ -209,21 +201,11 @@ impl Document {
             };
             let (path, output) = match keys {
                 ChannelKeys::Translation(keys) => {
-                    let keys = without(keys, dropped, len);
-                    ("translation", self.floats(ArrayKind::floats("VEC3"), &keys))
+                    ("translation", self.keys("VEC3", keys, dropped, len))
                 }
-                ChannelKeys::Rotation(keys) => {
-                    let keys = without(keys, dropped, len);
-                    ("rotation", self.floats(ArrayKind::floats("VEC4"), &keys))
-                }
-                ChannelKeys::Scale(keys) => {
-                    let keys = without(keys, dropped, len);
-                    ("scale", self.floats(ArrayKind::floats("VEC3"), &keys))
-                }
-                ChannelKeys::Weights(keys) => {
-                    let keys = without(keys, dropped, len);
-                    ("weights", self.floats(ArrayKind::floats("SCALAR"), &keys))
-                }
+                ChannelKeys::Rotation(keys) => ("rotation", self.keys("VEC4", keys, dropped, len)),
+                ChannelKeys::Scale(keys) => ("scale", self.keys("VEC3", keys, dropped, len)),
+                ChannelKeys::Weights(keys) => ("weights", self.keys("SCALAR", keys, dropped, len)),
             };
             let sampler =
                 json!({ "input": input, "interpolation": interpolation, "output": output });
@@ -232,6 +214,17 @@ impl Document {
             channels.push(json!({ "sampler": sampler, "target": target }));
         }
         self.animations.push(json!({ "name": name, "channels": channels, "samplers": samplers }));
+    }
+
+    /// Adds the values of a channel, without those of the `dropped` keys.
+    fn keys<const N: usize>(
+        &mut self,
+        element: &'static str,
+        rows: Vec<[f32; N]>,
+        dropped: &[usize],
+        key_len: usize,
+    ) -> ArrayIndex {
+        self.floats(ArrayKind::floats(element), &without(rows, dropped, key_len))
     }
 
     /// Adds key times, with their bounds.
@@ -247,19 +240,13 @@ impl Document {
     /// The file would be larger than binary glTF allows, or its JSON cannot be written.
     pub(crate) fn finish(mut self) -> Result<Vec<u8>, Error> {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let shown = self.root.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
-        let scene = self.root.get_mut("scenes").and_then(|scenes| scenes.get_mut(shown));
-        if let Some((scene, nodes)) = scene.zip(self.scene).filter(|(_, nodes)| !nodes.is_empty()) {
+        let scene = shown_scene(&mut self.root).zip(self.scene);
+        if let Some((scene, nodes)) = scene.filter(|(_, nodes)| !nodes.is_empty()) {
             scene["nodes"] = Value::Array(nodes);
         }
-        for (name, items) in [
-            ("nodes", self.nodes),
-            ("meshes", self.meshes),
-            ("skins", self.skins),
-            ("animations", self.animations),
-            ("accessors", self.accessors),
-            ("bufferViews", self.views),
-        ] {
+        let lists =
+            [self.nodes, self.meshes, self.skins, self.animations, self.accessors, self.views];
+        for (name, items) in LISTS.into_iter().zip(lists) {
             if !items.is_empty() {
                 self.root.insert(name.to_owned(), Value::Array(items));
             }
@@ -268,10 +255,19 @@ impl Document {
         let mut buffer = first.map_or(json!({}), Value::take);
         buffer["byteLength"] = json!(self.bytes.len());
         self.root.insert("buffers".to_owned(), json!([buffer]));
+        let unwritten = |error: serde_json::Error| {
+            let message = format!("cannot be put together: {error}");
+            Error::new(ErrorKind::Write, message).caused_by(error)
+        };
         let mut json = serde_json::to_vec(&self.root).map_err(unwritten)?;
         json.resize(json.len().next_multiple_of(4), b' ');
         let bytes = HEADS + json.len() + self.bytes.len();
-        let length = u32::try_from(bytes).map_err(|_| too_large(bytes))?;
+        let too_large = |_| {
+            Error::limit(format!(
+                "the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames"
+            ))
+        };
+        let length = u32::try_from(bytes).map_err(too_large)?;
         let mut glb = Vec::with_capacity(bytes);
         glb.extend(b"glTF");
         glb.extend([2, length].map(u32::to_le_bytes).as_flattened());
@@ -287,12 +283,12 @@ impl Document {
     pub(crate) fn indices(&mut self, triangles: &[[usize; 3]], vertex_len: usize) -> ArrayIndex {
         let corners = triangles.as_flattened();
         // The largest index of a type stays unused, because some engines restart a strip there.
-        if vertex_len <= usize::from(u16::MAX) {
-            let bytes = corners.iter().flat_map(|&vertex| (vertex as u16).to_le_bytes()).collect();
-            return self.array(ArrayKind::indices(U16), corners.len(), bytes);
-        }
-        let bytes = corners.iter().flat_map(|&vertex| (vertex as u32).to_le_bytes()).collect();
-        self.array(ArrayKind::indices(U32), corners.len(), bytes)
+        let (component, len) =
+            if vertex_len <= usize::from(u16::MAX) { (U16, 2) } else { (U32, 4) };
+        let bytes =
+            corners.iter().flat_map(|&vertex| (vertex as u32).to_le_bytes().into_iter().take(len));
+        let kind = ArrayKind { component, element: "SCALAR", target: Some(34963) };
+        self.array(kind, corners.len(), bytes.collect())
     }
 
     /// Adds matrices (3 x 4, by rows).
@@ -358,18 +354,22 @@ fn without<const N: usize>(rows: Vec<[f32; N]>, keys: &[usize], key_len: usize) 
     kept.flat_map(|(_, rows)| rows).copied().collect()
 }
 
-fn unwritten(error: serde_json::Error) -> Error {
-    let message = format!("cannot be put together: {error}");
-    Error::new(ErrorKind::Write, message).caused_by(error)
+/// Removes a list from the members of an object; empty if there is none.
+pub(super) fn take_list(members: &mut Map<String, Value>, name: &str) -> Vec<Value> {
+    match members.remove(name) {
+        Some(Value::Array(items)) => items,
+        _ => Vec::new(),
+    }
 }
 
-fn too_large(bytes: usize) -> Error {
-    Error::limit(format!(
-        "the file takes {bytes} bytes, and binary glTF holds 4 GiB: export fewer frames"
-    ))
+/// Returns the default scene of a file.
+fn shown_scene(root: &mut Map<String, Value>) -> Option<&mut Value> {
+    let shown = root.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
+    root.get_mut("scenes")?.get_mut(shown)
 }
 
-fn push(items: &mut Vec<Value>, item: Value) -> usize {
+/// Adds an item to a list and returns its index.
+pub(super) fn push(items: &mut Vec<Value>, item: Value) -> usize {
     items.push(item);
     items.len() - 1
 }

@@ -8,6 +8,7 @@ mod tree;
 
 pub(crate) use tree::PaintedLayer;
 
+use super::extension::extension;
 use super::pixels::Pixels;
 use crate::Error;
 use std::fmt::Display;
@@ -27,8 +28,7 @@ pub(crate) struct LayeredPicture {
 
 /// Whether a file has the ending of a layered picture.
 pub(crate) fn is_layered(file: &Path) -> bool {
-    let ending = file.extension().map(|ending| ending.to_ascii_lowercase());
-    ending.is_some_and(|ending| ending == "ora" || ending == "psd")
+    matches!(extension(file).as_str(), "ora" | "psd")
 }
 
 impl LayeredPicture {
@@ -42,8 +42,7 @@ impl LayeredPicture {
     }
 
     fn opened(path: &Path) -> Result<Self, Error> {
-        let is_psd = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("psd"));
-        let (content, size, nodes) = if is_psd {
+        let (content, size, nodes) = if extension(path) == "psd" {
             let bytes = std::fs::read(path).map_err(Error::read)?;
             let (document, size, nodes) = psd::Document::read(bytes)?;
             (Content::Psd(document), size, nodes)

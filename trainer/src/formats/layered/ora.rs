@@ -27,13 +27,8 @@ const CLIPPED: &str = "svg:src-atop";
 /// An open archive.
 pub(super) struct Archive {
     zip: RefCell<ZipArchive<BufReader<File>>>,
-    /// File and position of each layer or group, by its index in the file.
-    entries: Vec<Entry>,
-}
-
-struct Entry {
-    file: String,
-    corner: [i64; 2],
+    /// File and position (x and y) of each layer or group, by its index in the file.
+    entries: Vec<(String, [i64; 2])>,
 }
 
 impl Archive {
@@ -43,6 +38,10 @@ impl Archive {
     /// The file is not a zip archive, lacks its list of layers, is damaged or too large, or a layer is clipped to several
     /// layers.
     pub(super) fn open(file: File) -> Result<(Self, [usize; 2], Vec<Node>), Error> {
+        let no_archive = |error: ZipError| {
+            let what = format!("expected an OpenRaster file, which is a zip archive: {error}");
+            Error::damaged(what).caused_by(error)
+        };
         let zip = ZipArchive::new(BufReader::new(file));
         let zip = RefCell::new(zip.map_err(no_archive)?);
         let text = String::from_utf8(entry(&zip, "stack.xml", LIST)?).map_err(wrong_list)?;
@@ -71,16 +70,11 @@ impl Archive {
     /// # Errors
     /// The fault, in words.
     pub(super) fn picture(&self, source: usize) -> Result<(Pixels, [i64; 2]), String> {
-        let Entry { file, corner } = &self.entries[source];
+        let (file, corner) = &self.entries[source];
         let bytes = entry(&self.zip, file, PICTURE).map_err(|error| error.to_string())?;
         let pixels = read_png(Cursor::new(bytes)).map_err(|error| format!("{file}: {error}"))?;
         Ok((pixels, *corner))
     }
-}
-
-fn no_archive(error: ZipError) -> Error {
-    Error::damaged(format!("expected an OpenRaster file, which is a zip archive: {error}"))
-        .caused_by(error)
 }
 
 /// Makes the error of a list of layers that cannot be read.
@@ -123,7 +117,7 @@ fn number<T: std::str::FromStr>(
 /// Reads the members of a stack, the hindmost first; the file lists the front first.
 fn members(
     stack: roxmltree::Node<'_, '_>,
-    entries: &mut Vec<Entry>,
+    entries: &mut Vec<(String, [i64; 2])>,
     depth: usize,
 ) -> Result<Vec<Node>, Error> {
     if depth == 0 {
@@ -143,7 +137,7 @@ fn members(
             (true, None) => String::new(),
             (false, None) => return Err(wrong_list(format!("{name}: it has no src"))),
         };
-        entries.push(Entry { file, corner });
+        entries.push((file, corner));
         let mode = node.attribute("composite-op").unwrap_or(NORMAL);
         out.push(Node {
             name,

@@ -27,7 +27,7 @@ pub(super) struct Node {
 }
 
 /// A layer of a file.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct PaintedLayer {
     /// Path: the names of the groups and of the layer, as `head/eye`.
     pub(crate) path: String,
@@ -54,16 +54,7 @@ pub(crate) struct PaintedLayer {
 /// a group or to nothing.
 pub(super) fn list_layers(nodes: Vec<Node>) -> Result<(Vec<PaintedLayer>, Vec<String>), Error> {
     let mut out = Lists::default();
-    let root = PaintedLayer {
-        path: String::new(),
-        name: String::new(),
-        opacity: 1.0,
-        clip: None,
-        blend: None,
-        source: 0,
-        groups: Vec::new(),
-    };
-    out.add(nodes, &root)?;
+    out.add(nodes, &PaintedLayer { opacity: 1.0, ..PaintedLayer::default() })?;
     let mut paths: Vec<&str> = out.layers.iter().map(|layer| layer.path.as_str()).collect();
     paths.sort_unstable();
     match paths.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -86,13 +77,6 @@ impl PaintedLayer {
     }
 }
 
-/// The node to which the following layers are clipped.
-enum Base {
-    Nothing,
-    Layer(usize),
-    Group(String),
-}
-
 #[derive(Default)]
 struct Lists {
     layers: Vec<PaintedLayer>,
@@ -102,7 +86,8 @@ struct Lists {
 impl Lists {
     /// Adds the members of a group; they inherit the properties of the group.
     fn add(&mut self, nodes: Vec<Node>, group: &PaintedLayer) -> Result<(), Error> {
-        let mut base = Base::Nothing;
+        // The layer to which the following layers are clipped, or else what lies there, in words.
+        let mut base = Err("nothing".to_owned());
         for node in nodes {
             let path = match group.path.is_empty() {
                 true => node.name.clone(),
@@ -118,13 +103,8 @@ impl Lists {
             }
             let clip = match (node.is_clipped, &base) {
                 (false, _) => group.clip,
-                (true, Base::Layer(layer)) => Some(*layer),
-                (true, Base::Nothing) => {
-                    return Err(wrongly_clipped(&path, "nothing"));
-                }
-                (true, Base::Group(name)) => {
-                    return Err(wrongly_clipped(&path, format!("group \"{name}\"")));
-                }
+                (true, Ok(layer)) => Some(*layer),
+                (true, Err(other)) => return Err(wrongly_clipped(&path, other)),
             };
             let opacity = if node.is_hidden { 0.0 } else { node.opacity };
             let own = PaintedLayer {
@@ -140,14 +120,14 @@ impl Lists {
             let next = match node.members {
                 None => {
                     self.layers.push(own);
-                    Base::Layer(self.layers.len() - 1)
+                    Ok(self.layers.len() - 1)
                 }
                 Some(members) => {
                     self.groups.push(own.path.clone());
                     let groups = [&own.groups[..], &[own.source]].concat();
-                    let name = own.path.clone();
+                    let other = format!("group \"{}\"", own.path);
                     self.add(members, &PaintedLayer { groups, ..own })?;
-                    Base::Group(name)
+                    Err(other)
                 }
             };
             if !node.is_clipped {

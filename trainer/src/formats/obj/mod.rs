@@ -78,9 +78,8 @@ pub(in crate::formats) fn read(path: &Path) -> Result<Parsed, Error> {
 /// has another number of vertices than the neutral mesh.
 pub(crate) fn read_folder(folder: &Path) -> Result<ShapedMesh, Error> {
     let unread = |error| Error::read(error).in_file(folder);
-    let entries = std::fs::read_dir(folder).map_err(unread)?;
     let mut files: Vec<PathBuf> = Vec::new();
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).map_err(unread)? {
         let path = entry.map_err(unread)?.path();
         if extension(&path) == "obj" {
             files.push(path);
@@ -216,21 +215,17 @@ fn parse(bytes: &[u8]) -> Result<Parsed, Error> {
         })?;
     }
     // Checked at the end, because faces may precede their vertices.
-    let mut left = corners.iter();
-    for (face, polygon) in polygons.iter().enumerate() {
-        let absent = |what: &str, len: usize| {
-            let face = face + 1;
-            Error::damaged(format!("face {face} refers to a missing {what}; the file has {len}"))
-        };
-        for corner in left.by_ref().take(polygon.len()) {
-            if corner.vertex >= positions.len() {
-                return Err(absent("vertex", positions.len()));
-            }
-            if corner.texture.is_some_and(|place| place >= texture.len()) {
-                return Err(absent("texture coordinate", texture.len()));
-            }
-            if corner.normal.is_some_and(|place| place >= normals.len()) {
-                return Err(absent("normal", normals.len()));
+    let faces = polygons.iter().enumerate();
+    let faces = faces.flat_map(|(face, polygon)| std::iter::repeat_n(face + 1, polygon.len()));
+    for (face, corner) in faces.zip(&corners) {
+        for (what, place, len) in [
+            ("vertex", Some(corner.vertex), positions.len()),
+            ("texture coordinate", corner.texture, texture.len()),
+            ("normal", corner.normal, normals.len()),
+        ] {
+            if place.is_some_and(|place| place >= len) {
+                let what = format!("face {face} refers to a missing {what}; the file has {len}");
+                return Err(Error::damaged(what));
             }
         }
     }

@@ -49,7 +49,7 @@ pub(super) fn parse_pc2(bytes: &[u8]) -> Result<PosedMeshes, Error> {
     if version != VERSION {
         return Err(no_point_cache(format!("it is of version {version}")));
     }
-    Counts::new(whole(16), whole(28))?.read(bytes, PC2_HEADER_BYTES as u64, f32::from_le_bytes)
+    points(bytes, [whole(16), whole(28)], [PC2_HEADER_BYTES as u64, 0], f32::from_le_bytes)
 }
 
 /// Writes posed positions (N x V, frame-major) as a PointCache2 file in single precision, first frame 0, step 1.
@@ -79,63 +79,44 @@ pub(super) fn parse_mdd(bytes: &[u8]) -> Result<PosedMeshes, Error> {
     let Some(&[a, b, c, d, e, f, g, h]) = bytes.first_chunk::<MDD_HEADER_BYTES>() else {
         return Err(wrong_length(MDD_HEADER_BYTES as u64, bytes.len()));
     };
-    let frames = i32::from_be_bytes([a, b, c, d]);
-    let counts = Counts::new(i32::from_be_bytes([e, f, g, h]), frames)?;
-    counts.read(bytes, MDD_HEADER_BYTES as u64 + 4 * counts.frame_len(), f32::from_be_bytes)
+    let counts = [[e, f, g, h], [a, b, c, d]].map(i32::from_be_bytes);
+    points(bytes, counts, [MDD_HEADER_BYTES as u64, 4], f32::from_be_bytes)
 }
 
-/// The numbers of points and frames in a header, at least 1 each.
-#[derive(Clone, Copy)]
-pub(super) struct Counts {
-    vertex_len: u64,
-    frame_len: u64,
-}
-
-impl Counts {
-    /// Checks the counts of a header.
-    pub(super) fn new(points: i32, frames: i32) -> Result<Self, Error> {
-        let positive = |what: &str, found: i32| match u64::try_from(found) {
-            Ok(count) if count > 0 => Ok(count),
-            _ => Err(Error::damaged(format!(
-                "counts {found} {what}, expected 1 at least; export the point cache again"
-            ))),
-        };
-        Ok(Self { vertex_len: positive("points", points)?, frame_len: positive("frames", frames)? })
+/// Reads the points of a file; they must reach from its header exactly to the end of the file.
+///
+/// - `points`, `frames`: the counts of the header, at least 1 each.
+/// - `header`, `time`: bytes of the header without times, and of the time of a frame.
+fn points(
+    bytes: &[u8],
+    [points, frames]: [i32; 2],
+    [header, time]: [u64; 2],
+    number: fn([u8; 4]) -> f32,
+) -> Result<PosedMeshes, Error> {
+    let positive = |what: &str, found: i32| match u64::try_from(found) {
+        Ok(count) if count > 0 => Ok(count),
+        _ => Err(Error::damaged(format!(
+            "counts {found} {what}, expected 1 at least; export the point cache again"
+        ))),
+    };
+    let (vertex_len, frame_len) = (positive("points", points)?, positive("frames", frames)?);
+    let begin = header + time * frame_len;
+    // The product of two counts of 31 bits fits 64 bits.
+    let expected = (vertex_len * frame_len).checked_mul(POINT_BYTES);
+    let expected = expected.and_then(|bytes| bytes.checked_add(begin));
+    let too_many = || {
+        Error::damaged(format!(
+            "counts {points} points in {frames} frames, more than a file can hold; export the \
+             point cache again"
+        ))
+    };
+    let expected = expected.ok_or_else(too_many)?;
+    if bytes.len() as u64 != expected {
+        return Err(wrong_length(expected, bytes.len()));
     }
-
-    /// Counts the frames.
-    pub(super) fn frame_len(self) -> u64 {
-        self.frame_len
-    }
-
-    /// Reads the points of a file; they must reach from `begin` exactly to the end of the file.
-    pub(super) fn read(
-        self,
-        bytes: &[u8],
-        begin: u64,
-        number: fn([u8; 4]) -> f32,
-    ) -> Result<PosedMeshes, Error> {
-        let (points, frames) = (self.vertex_len, self.frame_len);
-        // The product of two counts of 31 bits fits 64 bits.
-        let expected = (points * frames).checked_mul(POINT_BYTES);
-        let expected = expected.and_then(|bytes| bytes.checked_add(begin));
-        let too_many = || {
-            Error::damaged(format!(
-                "counts {points} points in {frames} frames, more than a file can hold; export the \
-                 point cache again"
-            ))
-        };
-        let expected = expected.ok_or_else(too_many)?;
-        if bytes.len() as u64 != expected {
-            return Err(wrong_length(expected, bytes.len()));
-        }
-        let (points, _) = bytes[begin as usize..].as_chunks::<{ POINT_BYTES as usize }>();
-        let point = |&[a, b, c, d, e, f, g, h, i, j, k, l]: &[u8; 12]| {
-            [[a, b, c, d], [e, f, g, h], [i, j, k, l]].map(|bytes| f64::from(number(bytes)))
-        };
-        let vertices = points.par_iter().map(point).collect();
-        Ok(PosedMeshes::bare(self.vertex_len as usize, vertices))
-    }
+    let points = bytes[begin as usize..].as_chunks::<4>().0.as_chunks::<3>().0;
+    let point = |point: &[[u8; 4]; 3]| point.map(|bytes| f64::from(number(bytes)));
+    Ok(PosedMeshes::bare(vertex_len as usize, points.par_iter().map(point).collect()))
 }
 
 fn no_point_cache(reason: impl Display) -> Error {

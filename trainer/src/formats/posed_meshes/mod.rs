@@ -8,7 +8,7 @@ mod tests;
 use std::ops::Range;
 
 /// Posed meshes of one character.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct PosedMeshes {
     /// Vertices of every frame, V.
     pub(crate) vertex_len: usize,
@@ -37,8 +37,7 @@ pub(crate) struct Part {
 impl PosedMeshes {
     /// Makes posed meshes from positions only (N x V, frame-major).
     pub(crate) fn bare(vertex_len: usize, vertices: Vec<[f64; 3]>) -> Self {
-        let (rest, triangles, reference) = (None, None, None);
-        Self { vertex_len, vertices, rest, triangles, reference, parts: Vec::new() }
+        Self { vertex_len, vertices, ..Self::default() }
     }
 
     /// Counts the frames, N.

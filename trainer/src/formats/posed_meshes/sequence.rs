@@ -43,10 +43,9 @@ pub(crate) fn read(path: &Path) -> Result<PosedMeshes, Error> {
 pub(crate) fn files(path: &Path) -> Result<Vec<PathBuf>, Error> {
     let whole = path.is_dir();
     let folder = if whole { path } else { path.parent().unwrap_or(path) };
-    let stem = match (whole, numbered(path)) {
-        (true, _) => None,
-        (false, Some((stem, _))) => Some(stem),
-        (false, None) => return Err(no_number(path)),
+    let stem = match whole {
+        true => None,
+        false => Some(numbered(path).ok_or_else(|| no_number(path))?.0),
     };
     // The folder of a bare file name is the empty path, which cannot be listed.
     let listed = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };

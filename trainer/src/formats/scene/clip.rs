@@ -1,6 +1,6 @@
 //! Clips, and the times at which they are sampled.
 
-use super::faults;
+use super::{Sample, faults};
 use crate::Error;
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -58,9 +58,10 @@ impl Clip {
         clip
     }
 
-    /// Makes a clip from frame `first` whose frames are at these times of the source, ascending.
-    pub(in crate::formats) fn at(name: String, first: usize, times: &[f64]) -> Self {
-        Self { name, first, times: times.to_vec(), numbers: None }
+    /// Makes a clip from frame `first`, with a frame for each sample.
+    pub(in crate::formats) fn sampled(name: String, first: usize, samples: &[Sample]) -> Self {
+        let times = samples.iter().map(|sample| sample.time).collect();
+        Self { name, first, times, numbers: None }
     }
 
     /// Sets the frame rate, counted in frames of the source: if the source numbers every second frame, each frame lasts twice

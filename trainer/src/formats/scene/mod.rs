@@ -2,14 +2,15 @@
 
 mod clip;
 pub(crate) mod faults;
+mod hierarchy;
 mod names;
 mod played;
 
 pub use clip::{Clip, RATES};
 pub(crate) use clip::{EVEN, RATE, Sampling};
+pub(super) use hierarchy::Hierarchy;
 pub use names::JointNames;
 pub(crate) use names::mismatch;
-pub(super) use names::unique_names;
 pub(super) use played::{MovingJoints, Sample, samples};
 
 use super::FormatWarning;
@@ -95,46 +96,18 @@ impl MotionJoints {
             let found = candidates.iter().find(|(_, own)| own == name);
             found.map(|&(node, _)| node)
         };
-        let (of, nodes): (Vec<usize>, Vec<usize>) = character
-            .iter()
-            .enumerate()
-            .filter_map(|(joint, name)| Some((joint, node(name)?)))
-            .unzip();
+        let found = character.iter().enumerate();
+        let found = found.filter_map(|(joint, name)| Some((joint, node(name)?)));
+        let (of, nodes): (Vec<usize>, Vec<usize>) = found.unzip();
         let found: Vec<String> = candidates.iter().map(|(_, name)| name.clone()).collect();
         let mismatch = mismatch(character, &found);
         if nodes.is_empty() {
-            return Err(other_joints(character, mismatch));
+            let mismatch = mismatch.map_or(String::new(), |mismatch| format!("; {mismatch}"));
+            return Err(Error::mismatch(format!(
+                "has none of the character's joints, by name: {}{mismatch}",
+                character.join(", ")
+            )));
         }
         Ok(Self { nodes, of, mismatch })
     }
-}
-
-/// Makes the error for a file without any joint of the character.
-///
-/// - `mismatch`: explains why the names do not match, and names the option that helps.
-fn other_joints(character: &[String], mismatch: Option<String>) -> Error {
-    let mismatch = mismatch.map_or(String::new(), |mismatch| format!("; {mismatch}"));
-    Error::mismatch(format!(
-        "has none of the character's joints, by name: {}{mismatch}",
-        character.join(", ")
-    ))
-}
-
-/// Returns the bind frame of a joint. A joint without a skin moves rigidly with its nearest skinned ancestor, or else
-/// with any skinned joint, from the pose without animation.
-///
-/// - `upwards`: the joint and the nodes above it.
-/// - `binds`, `at_rest`: world frames of all nodes, as skins bind them and without animation.
-pub(in crate::formats) fn bound(
-    upwards: impl Iterator<Item = usize> + Clone,
-    binds: &[Option<Matrix4<f64>>],
-    at_rest: &[Matrix4<f64>],
-) -> Option<Matrix4<f64>> {
-    let joint = upwards.clone().next()?;
-    let any = binds.iter().position(Option::is_some);
-    let known = { upwards }.find(|&node| binds[node].is_some()).or(any)?;
-    if known == joint {
-        return binds[joint];
-    }
-    Some(binds[known]? * at_rest[known].try_inverse()? * at_rest[joint])
 }

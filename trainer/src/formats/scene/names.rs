@@ -1,65 +1,6 @@
-//! Names of joints: made unique within a file, and matched between files.
+//! Names of joints, matched between files.
 
 use std::collections::{BTreeMap, HashSet};
-
-/// Makes the names of joints unique. The nearest ancestors with different names qualify equal names: `left arm/hand`
-/// and `right arm/hand`. Without such ancestors the second joint becomes `hand 2`.
-///
-/// - `names`, `parents`: of all nodes.
-/// - `is_joint`: whether a node is a joint; other nodes keep their names.
-///
-/// Returns the names of all nodes, and the nodes that were renamed.
-pub(in crate::formats) fn unique_names(
-    names: &[String],
-    parents: &[Option<usize>],
-    is_joint: impl Fn(usize) -> bool,
-) -> (Vec<String>, Vec<usize>) {
-    let above = |node: usize| std::iter::successors(parents[node], |&node| parents[node]);
-    let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for node in (0..names.len()).filter(|&node| is_joint(node)) {
-        groups.entry(&names[node]).or_default().push(node);
-    }
-    let mut groups: Vec<Vec<usize>> =
-        groups.into_values().filter(|group| group.len() > 1).collect();
-    // Ancestors first, because their new names qualify their descendants.
-    groups.sort_by_key(|group| group.iter().map(|&node| above(node).count()).min());
-    let mut labels = names.to_vec();
-    // Qualifiers have numbers, but no qualifiers of their own.
-    let mut qualifiers = names.to_vec();
-    let mut taken: HashSet<String> = names.iter().cloned().collect();
-    for group in &groups {
-        let name = &names[group[0]];
-        let deepest = group.iter().map(|&node| above(node).count()).max().unwrap_or(0);
-        let qualified = |level: usize| -> Vec<String> {
-            let label = |&node: &usize| match above(node).nth(level) {
-                Some(above) => format!("{}/{name}", qualifiers[above]),
-                None => name.clone(),
-            };
-            group.iter().map(label).collect()
-        };
-        let differ = |all: &Vec<String>| {
-            let distinct: HashSet<&String> = all.iter().collect();
-            let is_free = |label: &String| label == name || !taken.contains(label);
-            distinct.len() == all.len() && all.iter().all(is_free)
-        };
-        let by_place = (0..deepest).map(qualified).find(differ);
-        let is_numbered = by_place.is_none();
-        let own = by_place.unwrap_or_else(|| {
-            let numbers = (2..).map(|number: usize| format!("{name} {number}"));
-            let free = numbers.filter(|label| !taken.contains(label));
-            std::iter::once(name.clone()).chain(free).take(group.len()).collect()
-        });
-        for (&node, label) in group.iter().zip(own) {
-            taken.insert(label.clone());
-            if is_numbered {
-                qualifiers[node].clone_from(&label);
-            }
-            labels[node] = label;
-        }
-    }
-    let renamed = (0..names.len()).filter(|&node| labels[node] != names[node]).collect();
-    (labels, renamed)
-}
 
 /// Maps the joint names of a file to the names of a character.
 #[derive(Clone, Copy, Debug, Default)]
@@ -188,28 +129,6 @@ mod tests {
 
     fn strings(names: &[&str]) -> Vec<String> {
         names.iter().map(|&name| name.to_owned()).collect()
-    }
-
-    #[test]
-    fn equal_names_get_a_qualifier_or_a_number() {
-        let names = strings(&["rig", "left", "hand", "right", "hand", "thumb", "thumb"]);
-        let parents = [None, Some(0), Some(1), Some(0), Some(3), Some(2), Some(4)];
-        let (labels, renamed) = unique_names(&names, &parents, |_| true);
-        let expected = ["left/hand", "right/hand", "left/thumb", "right/thumb"];
-        assert_eq!([2, 4, 5, 6].map(|node| labels[node].as_str()), expected);
-        assert_eq!(renamed, [2, 4, 5, 6]);
-
-        // Two copies under one node.
-        let names = strings(&["rig", "root", "mid", "tip", "root", "mid", "tip", "root 2"]);
-        let parents = [None, Some(0), Some(1), Some(2), Some(0), Some(4), Some(5), Some(0)];
-        let (labels, _) = unique_names(&names, &parents, |_| true);
-        assert_eq!(
-            labels[1..],
-            ["root", "root/mid", "root/tip", "root 3", "root 3/mid", "root 3/tip", "root 2"]
-        );
-        // A mesh with the name of a joint is not a joint.
-        let (labels, renamed) = unique_names(&names, &parents, |node| node < 4);
-        assert_eq!((labels, renamed), (names, vec![]));
     }
 
     #[track_caller]

@@ -1,6 +1,7 @@
 //! Sections of errors: accuracy, errors by joint, and a histogram; and cells and legends that all sections share.
 
 use crate::evaluate::{Errors, LBS, OWN_WEIGHTS};
+use crate::numeric::columns::largest;
 use crate::page::chart::{Chart, Range, bars};
 use crate::page::html::{below, grouped, paragraph, percent, table, text};
 use crate::report::comparison::{Comparison, Series};
@@ -14,20 +15,18 @@ pub(super) fn accuracy(comparison: &Comparison<'_>) -> String {
         row.extend(match series.model() {
             None => ["", "", ""].map(str::to_owned),
             Some(model) => {
-                let (confidence, envelope) =
-                    (series.measured.confidence(), &model.character.envelope);
+                let envelope = &model.character.envelope;
                 let proxies = match envelope.proxy_len() {
                     0 => "joints alone".to_owned(),
                     count => format!("{}, {count} helpers", envelope.predictor().name()),
                 };
                 let bytes = format!("{} B", grouped(model.file.bytes.len()));
-                [format!("{:.3}", confidence.mean), proxies, bytes]
+                [format!("{:.3}", series.measured.confidence().mean), proxies, bytes]
             }
         });
         row
     };
     let rows: Vec<_> = comparison.series().iter().map(row).collect();
-    let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
     let own_weights = match comparison.baselines.own_weights {
         Some(_) => format!(
             " \u{201c}{OWN_WEIGHTS}\u{201d} is linear blend skinning with all of the mesh's own joint weights; a \
@@ -46,23 +45,37 @@ pub(super) fn accuracy(comparison: &Comparison<'_>) -> String {
         ))
 }
 
-/// A table with a row for each joint: vertices, errors, the model's worst frame, and bars.
+/// A table with a row for each joint with vertices, the model's largest error first: vertices, errors, the model's worst
+/// frame, and bars. Each vertex counts for the joint that it follows most in LBS.
 pub(super) fn by_joint(comparison: &Comparison<'_>) -> String {
-    let joints = joint_errors(comparison);
+    let (examples, measured) = (comparison.source.examples, &comparison.model.measured);
     let series = comparison.series();
-    let most = joints.iter().flat_map(|joint| &joint.rms_percent).copied().fold(0.0, f64::max);
+    let mut vertices = vec![Vec::new(); examples.joint_len()];
+    for vertex in 0..examples.vertex_len() {
+        let strongest = comparison.baselines.lbs.baseline.weights.strongest(vertex);
+        vertices[strongest.unwrap_or(examples.skeleton.root())].push(vertex);
+    }
+    // The vertices of each joint, and the RMS error of each series on them.
+    let rms = |own: &[usize]| -> Vec<f64> {
+        series.iter().map(|series| series.measured.rms_percent_of(own)).collect()
+    };
+    let joints = vertices.iter().enumerate().filter(|(_, own)| !own.is_empty());
+    let mut joints: Vec<_> = joints.map(|(joint, own)| (joint, own, rms(own))).collect();
+    let model = comparison.model_place();
+    joints.sort_by(|a, b| b.2[model].total_cmp(&a.2[model]));
+    let most = joints.iter().flat_map(|joint| &joint.2).copied().fold(0.0, f64::max);
     let mut head = vec!["joint".to_owned(), "vertices".to_owned()];
-    head.extend(names(comparison).iter().map(|name| format!("{name}, %")));
+    head.extend(series.iter().map(rms_head));
     head.extend(["worst frame", "there, %", ""].map(str::to_owned));
-    let row = |joint: &JointErrors| {
-        let name = &comparison.source.examples.skeleton.names[joint.joint];
-        let mut row = vec![text(name), grouped(joint.vertices)];
-        row.extend(joint.rms_percent.iter().map(|rms| length(comparison, *rms)));
-        row.extend([
-            comparison.source.number(joint.worst.0).to_string(),
-            length(comparison, joint.worst.1),
-        ]);
-        let values = series.iter().zip(&joint.rms_percent);
+    let row = |(joint, own, rms): &(usize, &Vec<usize>, Vec<f64>)| {
+        let mut row = vec![text(&examples.skeleton.names[*joint]), grouped(own.len())];
+        row.extend(rms.iter().map(|rms| length(comparison, *rms)));
+        let places = 0..measured.frames.len();
+        let there: Vec<f64> = places.map(|place| measured.rms_percent_in(place, own)).collect();
+        let worst = largest(&there);
+        row.push(comparison.source.number(measured.frames[worst].frame).to_string());
+        row.push(length(comparison, there[worst]));
+        let values = series.iter().zip(rms);
         let values: Vec<_> = values.map(|(series, rms)| (series.class, *rms)).collect();
         row.push(bars(&values, most));
         row
@@ -71,7 +84,7 @@ pub(super) fn by_joint(comparison: &Comparison<'_>) -> String {
     paragraph(
         "RMS over the measured frames. Each vertex counts for the joint that it follows most in LBS; \
          the worst frame is the model's on those vertices.",
-    ) + &legend(comparison)
+    ) + &legend(&series)
         + &table(&head, &rows)
 }
 
@@ -90,83 +103,32 @@ pub(super) fn histogram(comparison: &Comparison<'_>) -> String {
     let last = (BINS * most.log10()).floor();
     let first = last - BINS * DECADES + 1.0;
     let bins = (last - first) as usize + 1;
-    let shares: Vec<Vec<f64>> = series
-        .iter()
-        .map(|series| {
-            let measured = series.measured;
-            let mut counts = vec![0_usize; bins];
-            for place in 0..measured.frames.len() {
-                for error in measured.percent_in(place) {
-                    // An error of 0 is in the first bin.
-                    let bin = ((BINS * error.log10()).floor() - first).max(0.0) as usize;
-                    counts[bin.min(bins - 1)] += 1;
-                }
-            }
-            let all = counts.iter().sum::<usize>() as f64;
-            counts.iter().map(|&count| 100.0 * count as f64 / all).collect()
-        })
-        .collect();
+    let shares = |Series { measured, .. }: &Series<'_>| -> Vec<f64> {
+        let mut counts = vec![0_usize; bins];
+        for error in (0..measured.frames.len()).flat_map(|place| measured.percent_in(place)) {
+            // An error of 0 is in the first bin.
+            let bin = ((BINS * error.log10()).floor() - first).max(0.0) as usize;
+            counts[bin.min(bins - 1)] += 1;
+        }
+        let all = counts.iter().sum::<usize>() as f64;
+        counts.iter().map(|&count| 100.0 * count as f64 / all).collect()
+    };
+    let shares: Vec<Vec<f64>> = series.iter().map(shares).collect();
     let edge = |bin: usize| 10_f64.powf((first + bin as f64) / BINS);
     let highest = shares.iter().flatten().copied().fold(0.0, f64::max);
-    let mut chart = Chart::new(
-        (1130.0, 260.0),
-        Range::between(edge(0), edge(bins)),
-        Range::linear(0.0, 1.05 * highest),
-    );
+    let (along, up) = (Range::between(edge(0), edge(bins)), Range::linear(0.0, 1.05 * highest));
+    let mut chart = Chart::new((1130.0, 260.0), along, up);
     chart.sides("error, % of the diagonal (logarithmic)", "share of the vertices, %");
     chart.numbers();
     for (series, shares) in series.iter().zip(&shares) {
-        let steps: Vec<_> = shares
-            .iter()
-            .enumerate()
-            .flat_map(|(bin, share)| [(edge(bin), *share), (edge(bin + 1), *share)])
-            .collect();
+        let step = |(bin, share): (usize, &f64)| [(edge(bin), *share), (edge(bin + 1), *share)];
+        let steps: Vec<_> = shares.iter().enumerate().flat_map(step).collect();
         chart.area(series.class, &steps);
         chart.line(series.class, &steps);
     }
     paragraph("All vertices in all measured frames; the first bar also counts smaller errors.")
-        + &legend(comparison)
+        + &legend(&series)
         + &chart.finish("histogram of the errors of all vertices")
-}
-
-/// The vertices of one joint and their errors.
-struct JointErrors {
-    /// Index of the joint.
-    joint: usize,
-    /// Number of vertices.
-    vertices: usize,
-    /// RMS error in all frames of each of [`Comparison::series`], in % of the rest diagonal.
-    rms_percent: Vec<f64>,
-    /// The frame with the model's largest RMS error on these vertices, and the error.
-    worst: (usize, f64),
-}
-
-/// Measures the errors of every joint with vertices, the model's largest first. Each vertex counts for the joint that
-/// it follows most in LBS.
-fn joint_errors(comparison: &Comparison<'_>) -> Vec<JointErrors> {
-    let examples = comparison.source.examples;
-    let mut vertices = vec![Vec::new(); examples.joint_len()];
-    for vertex in 0..examples.vertex_len() {
-        let strongest = comparison.baselines.lbs.baseline.weights.strongest(vertex);
-        vertices[strongest.unwrap_or(examples.skeleton.root())].push(vertex);
-    }
-    let (measured, series) = (&comparison.model.measured, comparison.series());
-    let mut joints: Vec<JointErrors> = vertices
-        .iter()
-        .enumerate()
-        .filter(|(_, vertices)| !vertices.is_empty())
-        .map(|(joint, vertices)| {
-            let frames = measured.frames.iter().enumerate();
-            let worst = frames
-                .map(|(place, frame)| (frame.frame, measured.rms_percent_in(place, vertices)))
-                .fold((0, -1.0), |worst, next| if next.1 > worst.1 { next } else { worst });
-            let of = series.iter().map(|series| series.measured.rms_percent_of(vertices));
-            JointErrors { joint, vertices: vertices.len(), rms_percent: of.collect(), worst }
-        })
-        .collect();
-    let own = |joint: &JointErrors| joint.rms_percent[comparison.model_place()];
-    joints.sort_by(|a, b| own(b).total_cmp(&own(a)));
-    joints
 }
 
 /// Formats RMS, 99th percentile and largest error, then RMS, median and 99th percentile of the normals' angles, as
@@ -186,9 +148,9 @@ pub(super) fn error_cells(errors: &Errors) -> [String; 6] {
 pub(super) const ERROR_HEADS: [&str; 6] =
     ["RMS", "99 %", "largest", "normals, RMS", "median", "99 %"];
 
-/// Lists the names of all series, as headings.
-pub(super) fn names(comparison: &Comparison<'_>) -> Vec<String> {
-    comparison.series().iter().map(|series| text(series.name)).collect()
+/// Heads a column of a series in %.
+pub(super) fn rms_head(series: &Series<'_>) -> String {
+    format!("{}, %", text(series.name))
 }
 
 /// Formats a length in % of the diagonal as a cell of a column in %, with millimetres below.
@@ -196,13 +158,8 @@ pub(super) fn length(comparison: &Comparison<'_>, own: f64) -> String {
     percent(own) + &below(comparison.mm(own))
 }
 
-/// The legend of all series.
-pub(super) fn legend(comparison: &Comparison<'_>) -> String {
-    entries(&comparison.series())
-}
-
 /// The legend of some series.
-pub(super) fn entries(series: &[Series<'_>]) -> String {
+pub(super) fn legend(series: &[Series<'_>]) -> String {
     let entries: Vec<_> = series.iter().map(|series| (series.class, series.name)).collect();
     crate::page::chart::legend(&entries)
 }

@@ -1,6 +1,6 @@
 //! Sections of errors and confidence by frame.
 
-use super::errors::{entries, legend, length, names};
+use super::errors::{legend, length, rms_head};
 use crate::evaluate::{Measured, least_confident_joint};
 use crate::examples::Split;
 use crate::page::chart::{Chart, Range};
@@ -20,10 +20,10 @@ const RANGES: [f64; 5] = [0.95, 0.8, 0.5, 0.2, 0.0];
 pub(super) fn errors(comparison: &Comparison<'_>) -> String {
     let count = comparison.model.measured.frames.len();
     let series = comparison.series();
-    let rms: Vec<Vec<f64>> = series
-        .iter()
-        .map(|s| (0..count).map(|place| s.measured.errors_in(place).rms_percent).collect())
-        .collect();
+    let of = |series: &Series<'_>| -> Vec<f64> {
+        (0..count).map(|place| series.measured.errors_in(place).rms_percent).collect()
+    };
+    let rms: Vec<Vec<f64>> = series.iter().map(of).collect();
     let mut chart = Chart::new(SIZE, along(count), Range::log(rms.iter().flatten().copied()));
     bands(&mut chart, comparison);
     chart.sides("frame", "RMS error, % of the diagonal (logarithmic)");
@@ -31,19 +31,16 @@ pub(super) fn errors(comparison: &Comparison<'_>) -> String {
         lines(&mut chart, comparison, series.class, rms);
     }
     for (place, frame) in comparison.measured_frames().into_iter().enumerate() {
-        let at: Vec<String> = series
-            .iter()
-            .zip(&rms)
-            .map(|(series, rms)| format!("{} {}", series.name, comparison.length(rms[place])))
-            .collect();
-        chart.tooltip(
-            cell(place),
-            &format!("{}: {}", comparison.source.label(frame), at.join(", ")),
-        );
+        let of = |(series, rms): (&Series<'_>, &Vec<f64>)| {
+            format!("{} {}", series.name, comparison.length(rms[place]))
+        };
+        let at: Vec<String> = series.iter().zip(&rms).map(of).collect();
+        let label = comparison.source.label(frame);
+        chart.tooltip(cell(place), &format!("{label}: {}", at.join(", ")));
     }
-    legend(comparison)
+    legend(&series)
         + &chart.finish("RMS error of each skin in each frame")
-        + &worst(comparison, &rms)
+        + &worst(comparison, &series, &rms)
 }
 
 /// A chart and tables of the confidence, unless the model is certain of all frames.
@@ -69,9 +66,10 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
         rows.extend(least.iter().take(WORST).map(|&place| {
             let frame = series.measured.frames[place].frame;
             let rms = length(comparison, series.measured.errors_in(place).rms_percent);
-            let character = series.model().map(|model| &model.character);
             let examples = comparison.source.examples;
-            let joint = character.and_then(|c| least_confident_joint(c, examples, frame));
+            let joint = series
+                .model()
+                .and_then(|model| least_confident_joint(&model.character, examples, frame));
             vec![
                 text(&comparison.source.label(frame)),
                 text(series.name),
@@ -81,12 +79,11 @@ pub(super) fn confidence(comparison: &Comparison<'_>) -> String {
             ]
         }));
     }
-    let head =
-        ["least confident", "model", "confidence", "least sure at", "RMS, %"].map(str::to_owned);
+    let head = ["least confident", "model", "confidence", "least sure at", "RMS, %"];
     paragraph(
         "The model's confidence in a pose: 1 near the poses of the training, 0 far from them, where its \
          kernel maps have faded.",
-    ) + &entries(&series)
+    ) + &legend(&series)
         + &chart.finish("confidence in each frame")
         + &table(&head, &rows)
         + &by_confidence(comparison, &series)
@@ -138,18 +135,11 @@ fn cell(place: usize) -> (f64, f64) {
 /// Draws a line for each run of consecutive frames.
 fn lines(chart: &mut Chart, comparison: &Comparison<'_>, class: &str, values: &[f64]) {
     let frames = comparison.measured_frames();
-    let point = |place: usize| (place as f64 + 0.5, values[place]);
-    let mut first = 0;
-    for place in 1..=frames.len() {
-        let ends = place == frames.len()
-            || frames[place] != frames[place - 1] + 1
-            || comparison.source.clip_of(frames[place])
-                != comparison.source.clip_of(frames[place - 1]);
-        if ends {
-            let points: Vec<_> = (first..place).map(point).collect();
-            chart.line(class, &points);
-            first = place;
-        }
+    let clip_of = |frame| comparison.source.clip_of(frame);
+    let mut points = (0..).zip(values).map(|(place, value)| (f64::from(place) + 0.5, *value));
+    for run in frames.chunk_by(|&a, &b| b == a + 1 && clip_of(a) == clip_of(b)) {
+        let points: Vec<_> = points.by_ref().take(run.len()).collect();
+        chart.line(class, &points);
     }
 }
 
@@ -190,12 +180,12 @@ fn runs<T: PartialEq>(frames: &[usize], of: impl Fn(usize) -> T) -> Vec<((f64, f
     runs
 }
 
-fn worst(comparison: &Comparison<'_>, rms: &[Vec<f64>]) -> String {
+fn worst(comparison: &Comparison<'_>, series: &[Series<'_>], rms: &[Vec<f64>]) -> String {
     let own = &rms[comparison.model_place()];
     let mut order: Vec<usize> = (0..own.len()).collect();
     order.sort_by(|&a, &b| own[b].total_cmp(&own[a]));
     let mut head = vec!["worst frames".to_owned(), "use".to_owned()];
-    head.extend(names(comparison).iter().map(|name| format!("{name}, %")));
+    head.extend(series.iter().map(rms_head));
     head.extend(["largest, %", "at vertex", "confidence"].map(str::to_owned));
     let row = |&place: &usize| {
         let frame = &comparison.model.measured.frames[place];

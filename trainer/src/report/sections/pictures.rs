@@ -23,10 +23,8 @@ const DEGREES: &str = "degrees";
 const NEAR_RIGID: [Colour; 2] = [[0xd9, 0xa4, 0x4a], [0xdd, 0xd9, 0xd2]];
 
 /// The truth and every skin in the model's worst frame, with the errors below; then a close-up of the worst vertex.
-pub(super) fn worst_pose(
-    pictures: &Pictures<'_>,
-    comparison: &Comparison<'_>,
-) -> Result<String, Error> {
+pub(super) fn worst_pose(pictures: &Pictures<'_>) -> Result<String, Error> {
+    let comparison = pictures.comparison;
     let series = comparison.series();
     let frame = &comparison.model.measured.frames[pictures.worst];
     let shapes = pictures.frame(frame.frame, &series)?;
@@ -35,9 +33,7 @@ pub(super) fn worst_pose(
     let rows = |camera: &Camera| -> Result<String, Error> {
         let clay = shapes.iter().map(|s| pictures.take(s, &Paint::Clay, camera, None, &s.name));
         let clay = clay.collect::<Result<Vec<_>, _>>()?;
-        let heat = heat(pictures, comparison, &errors, |place| {
-            (&shapes[place + 1], camera, Some(vertex))
-        })?;
+        let heat = heat(pictures, &errors, |place| &shapes[place + 1], camera, Some(vertex))?;
         // Each error map is below its skin; the place below the truth is empty.
         let truth = std::iter::once("<div></div>\n".to_owned());
         let under: Vec<String> = truth.chain(heat).collect();
@@ -55,8 +51,8 @@ pub(super) fn worst_pose(
     let baselines: Vec<String> = baselines.collect();
     let camera = pictures.whole(&shapes.iter().collect::<Vec<_>>());
     let angles: Vec<_> = series.iter().map(|s| s.measured.degrees_in(pictures.worst)).collect();
-    let most = steepest(&series, |measured| measured.errors_in(pictures.worst));
-    let angles = angle_maps(pictures, &series, &angles, most, |place| &shapes[place + 1], &camera)?;
+    let summed = series.iter().map(|s| s.measured.errors_in(pictures.worst));
+    let angles = angle_maps(pictures, &angles, summed, |place| &shapes[place + 1], &camera)?;
     Ok(paragraph(&format!(
         "The frame with the model's largest RMS error. {}. {SCALES}",
         series_errors.join("; ")
@@ -72,18 +68,16 @@ pub(super) fn worst_pose(
 }
 
 /// The rest pose, and each vertex's error over all measured frames on the rest pose.
-pub(super) fn all_frames(
-    pictures: &Pictures<'_>,
-    comparison: &Comparison<'_>,
-) -> Result<String, Error> {
+pub(super) fn all_frames(pictures: &Pictures<'_>) -> Result<String, Error> {
+    let comparison = pictures.comparison;
     let (rest, series) = (pictures.rest(), comparison.series());
     let camera = pictures.whole(&[&rest]);
     let errors: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_percent()).collect();
-    let mut row = heat(pictures, comparison, &errors, |_| (&rest, &camera, None))?;
+    let mut row = heat(pictures, &errors, |_| &rest, &camera, None)?;
     row.insert(0, pictures.take(&rest, &Paint::Clay, &camera, None, "rest pose")?);
     let angles: Vec<_> = series.iter().map(|s| s.measured.vertex_rms_degrees()).collect();
-    let most = steepest(&series, Measured::errors);
-    let angles = angle_maps(pictures, &series, &angles, most, |_| &rest, &camera)?;
+    let summed = series.iter().map(|s| s.measured.errors());
+    let angles = angle_maps(pictures, &angles, summed, |_| &rest, &camera)?;
     Ok(paragraph(&format!(
         "Each vertex's RMS error over the {} measured frames, on the rest pose.",
         grouped(comparison.model.measured.frames.len())
@@ -95,33 +89,34 @@ pub(super) fn all_frames(
 /// The errors of every series on one scale, then of the model on a separate scale.
 fn heat<'b>(
     pictures: &Pictures<'_>,
-    comparison: &Comparison<'_>,
     errors: &[Vec<f64>],
-    shot: impl Fn(usize) -> (&'b Shape, &'b Camera, Option<usize>),
+    shape: impl Fn(usize) -> &'b Shape,
+    camera: &Camera,
+    ring: Option<usize>,
 ) -> Result<Vec<String>, Error> {
+    let comparison = pictures.comparison;
     let (series, model) = (comparison.series(), comparison.model_place());
     let (own, common) = (Scale::of(&errors[model]), Scale::of(errors.iter().flatten()));
     let all = (0..series.len()).map(|place| (place, common, "error, %"));
     let all = all.chain([(model, own, "on a separate scale, %")]);
     let pictures = all.map(|(place, scale, what)| {
-        let (shape, camera, ring) = shot(place);
         let caption = format!("{}: {what}", series[place].name);
         let paint = Paint::Heat(&errors[place], scale, PERCENT);
-        pictures.take(shape, &paint, camera, ring, &caption)
+        pictures.take(shape(place), &paint, camera, ring, &caption)
     });
     pictures.collect()
 }
 
-/// The angles between every series' normals and the true normals, on one scale.
+/// The angles between every series' normals and the true normals, on one scale up to the largest 99th percentile.
 fn angle_maps<'b>(
     pictures: &Pictures<'_>,
-    series: &[Series<'_>],
     degrees: &[Vec<f64>],
-    most: f64,
+    errors: impl Iterator<Item = Errors>,
     shape: impl Fn(usize) -> &'b Shape,
     camera: &Camera,
 ) -> Result<String, Error> {
-    let scale = Scale::of(&[most]);
+    let scale = Scale::of(&errors.map(|own| own.normal_p99_degrees).collect::<Vec<_>>());
+    let series = pictures.comparison.series();
     let maps = series.iter().enumerate().map(|(place, series)| {
         let caption = format!("{}: angle of the normals to the true ones, °", series.name);
         let paint = Paint::Heat(&degrees[place], scale, DEGREES);
@@ -132,11 +127,6 @@ fn angle_maps<'b>(
         "Angles between the normals and the true normals, all on one scale; larger angles in folds have the \
          last colour.",
     ) + &side_by_side(maps.len().max(3), &maps))
-}
-
-/// Returns the largest of the series' 99th percentiles of the normals' angles, in degrees.
-fn steepest(series: &[Series<'_>], errors: impl Fn(&Measured) -> Errors) -> f64 {
-    series.iter().map(|s| errors(s.measured).normal_p99_degrees).fold(0.0, f64::max)
 }
 
 fn worst_vertices(comparison: &Comparison<'_>, errors: &[f64]) -> String {
@@ -161,15 +151,14 @@ fn worst_frame(measured: &Measured, vertex: usize) -> usize {
 /// The palette: near-rigid vertices, and the transform that each vertex follows most.
 pub(super) fn palette(
     pictures: &Pictures<'_>,
-    comparison: &Comparison<'_>,
     near_rigid: Option<&[bool]>,
 ) -> Result<String, Error> {
+    let comparison = pictures.comparison;
     let (rest, examples) = (pictures.rest(), comparison.source.examples);
     let camera = pictures.whole(&[&rest]);
     let mut row = Vec::new();
     for (number, model) in comparison.models().enumerate() {
-        let (name, alone) =
-            (model.file.name, follow_joints(&model.character, comparison.source.examples));
+        let (name, alone) = (model.file.name, follow_joints(&model.character, examples));
         let (rigid, what) = match (&alone, near_rigid.filter(|_| number == 0)) {
             (Some(alone), _) => (Some(alone.as_slice()), "follow joints alone"),
             (None, given) => (given, "are near-rigid: the reconstruction holds them at LBS"),

@@ -5,7 +5,7 @@ use crate::evaluate::Errors;
 use crate::page::chart::{Chart, Range};
 use crate::page::html::{below, grouped, paragraph, percent, table, text};
 use crate::report::comparison::Comparison;
-use crate::report::sizes::{Outcome, SizeTrial, Sizes};
+use crate::report::sizes::{Outcome, Sizes};
 use crate::{Error, ErrorKind};
 
 const SIZE: (f64, f64) = (550.0, 250.0);
@@ -15,12 +15,8 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, Error>) 
     let predictor = comparison.model.character.envelope.predictor().name();
     let sizes = match sizes {
         Err(error) => {
-            let why = match error.kind() {
-                ErrorKind::Fit => {
-                    " This section needs the training frames of the model among the examples."
-                }
-                _ => "",
-            };
+            let needs = " This section needs the training frames of the model among the examples.";
+            let why = if error.kind() == ErrorKind::Fit { needs } else { "" };
             return paragraph(&format!(
                 "On these examples {predictor} cannot be trained: {}.{why}",
                 text(&error.to_string())
@@ -32,7 +28,7 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, Error>) 
         Ok(sizes) => sizes,
     };
     let outcomes: Vec<&Outcome> =
-        sizes.trials.iter().filter_map(|trial| trial.outcome.as_ref().ok()).collect();
+        sizes.trials.iter().filter_map(|(_, outcome)| outcome.as_ref().ok()).collect();
     let seen = match sizes.seen {
         true => {
             "They were trained on the measured frames, because the model has read no others: on these frames the error falls \
@@ -46,7 +42,7 @@ pub(super) fn errors(comparison: &Comparison<'_>, sizes: &Result<Sizes, Error>) 
          {seen}",
         text(comparison.model.file.name)
     )) + &charts(comparison, &outcomes)
-        + &trials(comparison, &sizes.trials)
+        + &trials(comparison, sizes)
         + &times(sizes, &outcomes)
 }
 
@@ -65,11 +61,9 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
     let of = |value: fn(&Outcome) -> f64| -> Vec<(f64, f64)> {
         outcomes.iter().map(|o| (o.proxies as f64, value(o))).collect()
     };
-    let baselines: Vec<_> = comparison
-        .baseline_series()
-        .iter()
-        .map(|baseline| (baseline.class, baseline.measured.errors().rms_percent))
-        .collect();
+    let baselines = comparison.baseline_series();
+    let baselines = baselines.iter().map(|own| (own.class, own.measured.errors().rms_percent));
+    let baselines: Vec<_> = baselines.collect();
     let rms = of(|o| o.errors.rms_percent);
     let forecast = of(|o| o.forecast_percent);
     let every = rms.iter().chain(&forecast).map(|point| point.1);
@@ -96,7 +90,7 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
         other.iter().for_each(|of| chart.dots("other", &of[place..=place]));
         outcomes.iter().for_each(|o| chart.mark(o.proxies as f64, &o.proxies.to_string()));
     }
-    legend(comparison)
+    legend(&comparison.series())
         + "<div class=\"pair\">"
         + &errors.finish("RMS error against the number of helpers")
         + &size.finish("size of the file against the number of helpers")
@@ -104,9 +98,8 @@ fn charts(comparison: &Comparison<'_>, outcomes: &[&Outcome]) -> String {
         + &paragraph("Dashed: forecast for more of the training clips.")
 }
 
-fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
+fn trials(comparison: &Comparison<'_>, sizes: &Sizes) -> String {
     let head = [&["helpers"][..], &ERROR_HEADS, &["forecast", "file", "training"]].concat();
-    let head: Vec<_> = head.into_iter().map(str::to_owned).collect();
     let row = |name: String, errors: &Errors, forecast: f64, bytes: usize, seconds: String| {
         let mut row = vec![name];
         row.extend(error_cells(errors));
@@ -114,12 +107,12 @@ fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
         row.extend([forecast, format!("{} B", grouped(bytes)), seconds]);
         row
     };
-    let trial = |trial: &SizeTrial| match &trial.outcome {
+    let trial = |(proxies, outcome): &(usize, Result<Outcome, Error>)| match outcome {
         Ok(of) => {
             let seconds = format!("{:.1} s", of.seconds);
             row(of.proxies.to_string(), &of.errors, of.forecast_percent, of.bytes, seconds)
         }
-        Err(error) => vec![trial.proxies.to_string(), text(&error.to_string())],
+        Err(error) => vec![proxies.to_string(), text(&error.to_string())],
     };
     let other = comparison.other.as_ref().map(|other| {
         let name = format!("{} ({})", other.character.envelope.proxy_len(), text(other.file.name));
@@ -128,7 +121,7 @@ fn trials(comparison: &Comparison<'_>, trials: &[SizeTrial]) -> String {
         let (errors, bytes) = (other.measured.errors(), other.file.bytes.len());
         row(name, &errors, forecast, bytes, String::new())
     });
-    let rows: Vec<_> = trials.iter().map(trial).chain(other).collect();
+    let rows: Vec<_> = sizes.trials.iter().map(trial).chain(other).collect();
     table(&head, &rows)
 }
 

@@ -7,6 +7,7 @@
 pub mod published;
 pub mod scipy;
 
+use crate::Error;
 use crate::scattered::problem::rows;
 use crate::scattered::solver::samples::ranges;
 use faer::Mat;
@@ -108,7 +109,8 @@ impl Case {
     }
 
     fn deviation(self) -> Result<(f64, f64), String> {
-        let read = |what, of| rows(what, of).map_err(|error| error.to_string());
+        let said = |error: Error| error.to_string();
+        let read = |what, of| rows(what, of).map_err(said);
         let (sites, values) = (read("sites", &self.sites)?, read("values", &self.values)?);
         let (queries, expected) =
             (read("queries", &self.queries)?, read("expected", &self.expected)?);
@@ -117,8 +119,7 @@ impl Case {
             options => serde_json::from_value(options).map_err(|error| error.to_string())?,
         };
         let (sites, values) = (matrix(&sites)?, matrix(&values)?);
-        let fit =
-            RbfInterpolator::new(&sites, &values, &options).map_err(|error| error.to_string())?;
+        let fit = RbfInterpolator::new(&sites, &values, &options).map_err(said)?;
         if queries.is_empty() || queries.len() != expected.len() {
             let (queries, expected) = (queries.len(), expected.len());
             return Err(format!("expected results of {queries} queries, found {expected}"));
@@ -131,7 +132,7 @@ impl Case {
         let ranges = ranges(&expected);
         let (mut most, mut rcond) = (0.0f64, 1.0f64);
         for (row, query) in queries.iter().enumerate() {
-            let (found, own) = fit.conditioned(query).map_err(|error| error.to_string())?;
+            let (found, own) = fit.evaluate(query).map_err(said)?;
             rcond = rcond.min(own);
             for (o, found) in found.iter().enumerate() {
                 let deviation = (found - expected[(row, o)]).abs() / ranges[o];

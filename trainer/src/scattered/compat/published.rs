@@ -1,4 +1,4 @@
-//! S2's solver as its post publishes it, mistakes included, and other tools' functions of a distance.
+//! S2's solver as its post publishes it, mistakes included.
 //!
 //! The solver computes `θ = (MᵀM + λI)⁺ MᵀB` for a matrix M of distances, or of a function of distances. A function of
 //! a distance is converted to one of our kernels: `φ(d) = factor G((epsilon d)²)`.
@@ -199,35 +199,4 @@ pub struct Canonical {
     pub epsilon: f64,
     /// Factor of the kernel.
     pub factor: f64,
-}
-
-/// Falloffs of pose drivers, with a radius σ, for imports only.
-///
-/// No fit of ours can solve with the hats. Over angles of rotations, no falloff is positive definite for every σ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Falloff {
-    /// `e^(-d / σ²)`: Unreal's and RigLogic's gaussian, weightDriver's "gaussian 1"; d is not squared.
-    Gaussian,
-    /// `e^(-2 d / σ)`.
-    Exponential,
-    /// `1 - d / σ`, at least 0.
-    Linear,
-    /// `1 - (d / σ)³`, at least 0.
-    Cubic,
-    /// `1 - (d / σ)⁵`, at least 0.
-    Quintic,
-}
-
-impl Falloff {
-    /// Converts the falloff with a radius above 0 to one of our kernels.
-    pub fn canonical(self, radius: f64) -> Canonical {
-        let (kernel, epsilon) = match self {
-            Self::Gaussian => (Kernel::Matern12, 1.0 / (radius * radius)),
-            Self::Exponential => (Kernel::Matern12, 2.0 / radius),
-            Self::Linear => (Kernel::Hat { power: 1 }, 1.0 / radius),
-            Self::Cubic => (Kernel::Hat { power: 3 }, 1.0 / radius),
-            Self::Quintic => (Kernel::Hat { power: 5 }, 1.0 / radius),
-        };
-        Canonical { kernel, epsilon, factor: 1.0 }
-    }
 }

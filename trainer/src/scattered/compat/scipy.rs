@@ -8,17 +8,19 @@
 use crate::Error;
 use crate::numeric::columns::ends;
 use crate::regression::function::{is_scale_invariant, order};
+use crate::scattered::problem::Smoothing;
+use crate::scattered::solver::matrix::some_rows;
 use crate::scattered::solver::options::out_of_range;
 use crate::scattered::solver::polynomial::Space;
 use crate::scattered::solver::samples::check;
 use crate::scattered::solver::system::solve;
 use crate::scattered::sum::{KernelSum, monomials};
 use faer::{ColRef, Mat};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use sinew_runtime::kernel::Kernel;
 use std::cmp::Ordering;
-use std::fmt::{Display, Formatter};
 
 /// Kernels by SciPy's names.
 const KERNELS: [(&str, Kernel); 8] = [
@@ -35,77 +37,30 @@ const KERNELS: [(&str, Kernel); 8] = [
 const RCOND: f64 = 1e-10;
 
 /// Arguments of SciPy's interpolator. An omitted argument has SciPy's default.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ScipyOptions {
-    /// Name of the kernel; upper and lower case are equal.
-    pub kernel: String,
+    /// Name of the kernel; upper and lower case are equal; default: thin_plate_spline.
+    pub kernel: Option<String>,
     /// Factor of distances; required for kernels with a width.
     pub epsilon: Option<f64>,
-    /// Smoothing λ.
-    pub smoothing: Smoothing,
+    /// Smoothing λ, one or one for each sample; default: 0.
+    #[serde(deserialize_with = "given")]
+    pub smoothing: Option<Smoothing>,
     /// Degree of the polynomial, -1 for none; by default the kernel's least degree, at least 0.
     pub degree: Option<i32>,
     /// Number of nearest samples that determine the function at a query; by default all.
     pub neighbors: Option<usize>,
 }
 
-/// Smoothing λ of all samples, or of each sample.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "Value")]
-pub enum Smoothing {
-    /// One λ for all samples.
-    All(f64),
-    /// λ of each sample, n.
-    Each(Vec<f64>),
-}
-
-impl TryFrom<Value> for Smoothing {
-    type Error = String;
-
-    /// Reads a number or numbers.
-    fn try_from(value: Value) -> Result<Self, String> {
-        let numbers = |all: &[Value]| all.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
-        let read = match &value {
-            Value::Array(all) => numbers(all).map(Self::Each),
-            one => one.as_f64().map(Self::All),
-        };
-        read.ok_or_else(|| {
-            format!(
-                "smoothing: expected a number or a list of numbers (one a sample), found {value}"
-            )
-        })
-    }
-}
-
-/// Warnings of SciPy, or of METHOD.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub enum ScipyWarning {
-    /// The degree is below the kernel's least degree: the function may not be unique.
-    Degree {
-        /// Degree of the polynomial.
-        degree: usize,
-        /// Least degree of the kernel.
-        least: usize,
-    },
-    /// Rounding may change the function.
-    IllConditioned {
-        /// Reciprocal condition.
-        rcond: f64,
-    },
-}
-
-impl Display for ScipyWarning {
-    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Degree { degree, least } => write!(
-                to,
-                "the degree {degree} is below the kernel's least, {least}: the function may not be unique"
-            ),
-            Self::IllConditioned { rcond } => {
-                write!(to, "the fit is ill-conditioned (reciprocal condition {rcond:.1e})")
-            }
-        }
+/// Reads a smoothing that is not chosen.
+fn given<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Smoothing>, D::Error> {
+    let value = Value::deserialize(from)?;
+    match Smoothing::try_from(value.clone()) {
+        Ok(smoothing) if smoothing != Smoothing::Chosen => Ok(Some(smoothing)),
+        _ => Err(D::Error::custom(format!(
+            "smoothing: expected a number or a list of numbers (one a sample), found {value}"
+        ))),
     }
 }
 
@@ -114,23 +69,11 @@ impl Display for ScipyWarning {
 pub struct RbfInterpolator {
     problem: Problem,
     /// Function of all samples, and the reciprocal condition of its system; `None` if each query has its own system.
-    whole: Option<(KernelSum, f64)>,
+    pub whole: Option<(KernelSum, f64)>,
     /// Number of neighbours that determine the function at a query.
     neighbours: usize,
-    /// Warnings of the fit.
-    pub warnings: Vec<ScipyWarning>,
-}
-
-impl Default for ScipyOptions {
-    fn default() -> Self {
-        Self {
-            kernel: "thin_plate_spline".into(),
-            epsilon: None,
-            smoothing: Smoothing::All(0.0),
-            degree: None,
-            neighbors: None,
-        }
-    }
+    /// Warnings of SciPy, or of METHOD.
+    pub warnings: Vec<String>,
 }
 
 impl RbfInterpolator {
@@ -138,17 +81,18 @@ impl RbfInterpolator {
     ///
     /// # Errors
     /// - If there are no samples, sites and values have different numbers of rows, or a number is not finite.
-    /// - If SciPy has no such kernel.
+    /// - If SciPy has no such kernel, or the smoothing is to be chosen.
     /// - If epsilon, degree, smoothing or neighbours are out of range.
     /// - If there are fewer samples or neighbours than monomials, or they do not determine the polynomial.
     /// - If the system is singular.
     pub fn new(sites: &Mat<f64>, values: &Mat<f64>, options: &ScipyOptions) -> Result<Self, Error> {
+        if options.smoothing == Some(Smoothing::Chosen) {
+            return Err(Error::unsupported("SciPy chooses no smoothing: give a number"));
+        }
         check(sites, values)?;
         let (n, inputs) = sites.shape();
-        let name = options.kernel.to_lowercase();
-        let kernel = KERNELS.into_iter().find(|(own, _)| *own == name);
-        let kernel = kernel.ok_or_else(|| unknown_kernel(&options.kernel))?.1;
-        let smoothing = smoothing(&options.smoothing, n)?;
+        let kernel = kernel(options.kernel.as_deref().unwrap_or("thin_plate_spline"))?;
+        let smoothing = smoothing(options.smoothing.as_ref(), n)?;
         let epsilon = epsilon(kernel, options.epsilon)?;
         let least = order(kernel).and_then(|order| order.checked_sub(1));
         let degree = degree(options.degree, least)?;
@@ -156,7 +100,9 @@ impl RbfInterpolator {
         if let (Some(degree), Some(least)) = (degree, least)
             && degree < least
         {
-            warnings.push(ScipyWarning::Degree { degree, least });
+            warnings.push(format!(
+                "the degree {degree} is below the kernel's least, {least}: the function may not be unique"
+            ));
         }
         let used = options.neighbors.map_or(n, |k| k.min(n));
         if used == 0 {
@@ -177,25 +123,17 @@ impl RbfInterpolator {
         }
         let (sum, rcond) = problem.solve(&(0..n).collect::<Vec<usize>>())?;
         if rcond < RCOND {
-            warnings.push(ScipyWarning::IllConditioned { rcond });
+            warnings.push(format!("the fit is ill-conditioned (reciprocal condition {rcond:.1e})"));
         }
         Ok(Self { problem, whole: Some((sum, rcond)), neighbours: used, warnings })
-    }
-
-    /// Evaluates the function at d inputs: m values.
-    ///
-    /// # Errors
-    /// - If the query has another length.
-    /// - If the system of the query's neighbours is singular.
-    pub fn evaluate(&self, x: &[f64]) -> Result<Vec<f64>, Error> {
-        Ok(self.conditioned(x)?.0)
     }
 
     /// Evaluates the function at d inputs: m values, and the reciprocal condition of the solved system.
     ///
     /// # Errors
-    /// Errors of [`Self::evaluate`].
-    pub fn conditioned(&self, x: &[f64]) -> Result<(Vec<f64>, f64), Error> {
+    /// - If the query has another length.
+    /// - If the system of the query's neighbours is singular.
+    pub fn evaluate(&self, x: &[f64]) -> Result<(Vec<f64>, f64), Error> {
         let expected = self.problem.sites.ncols();
         if x.len() != expected {
             let found = x.len();
@@ -208,12 +146,6 @@ impl RbfInterpolator {
         }
         let (sum, rcond) = self.problem.solve(&nearest(&self.problem.sites, x, self.neighbours))?;
         Ok((sum.evaluate(x), rcond))
-    }
-
-    /// Returns the function of all samples and the reciprocal condition of its system; `None` if each query has its own
-    /// system.
-    pub fn whole(&self) -> Option<&(KernelSum, f64)> {
-        self.whole.as_ref()
     }
 }
 
@@ -231,9 +163,8 @@ struct Problem {
 impl Problem {
     /// Fits some samples; returns the function and the reciprocal condition.
     fn solve(&self, some: &[usize]) -> Result<(KernelSum, f64), Error> {
-        let rows = |m: &Mat<f64>| Mat::from_fn(some.len(), m.ncols(), |i, c| m[(some[i], c)]);
         self.check_repeated(some)?;
-        let (sites, values) = (rows(&self.sites), rows(&self.values));
+        let (sites, values) = (some_rows(&self.sites, some), some_rows(&self.values, some));
         let smoothing: Vec<f64> = some.iter().map(|&i| self.smoothing[i]).collect();
         let d = sites.ncols();
         let shift: Vec<f64> = sites.col_iter().map(middle).collect();
@@ -285,15 +216,19 @@ impl Problem {
     }
 }
 
-fn unknown_kernel(found: &str) -> Error {
+fn kernel(given: &str) -> Result<Kernel, Error> {
+    let name = given.to_lowercase();
+    let found = KERNELS.into_iter().find(|(own, _)| *own == name);
     let expected = KERNELS.map(|(name, _)| name).join(", ");
-    Error::value(format!("\"{found}\" is no kernel of SciPy's: expected one of {expected}"))
+    let unknown = format!("\"{given}\" is no kernel of SciPy's: expected one of {expected}");
+    found.map(|(_, kernel)| kernel).ok_or_else(|| Error::value(unknown))
 }
 
-fn smoothing(of: &Smoothing, samples: usize) -> Result<Vec<f64>, Error> {
+fn smoothing(of: Option<&Smoothing>, samples: usize) -> Result<Vec<f64>, Error> {
     let all = match of {
-        Smoothing::All(lambda) => vec![*lambda; samples],
-        Smoothing::Each(all) => all.clone(),
+        Some(Smoothing::Given(lambda)) => vec![*lambda; samples],
+        Some(Smoothing::Each(all)) => all.clone(),
+        None | Some(Smoothing::Chosen) => vec![0.0; samples],
     };
     if all.len() != samples {
         let found = all.len();

@@ -11,15 +11,17 @@ use faer::MatRef;
 use sinew_runtime::kernel::Kernel;
 
 /// Energy `Σ|y_i - f(x_i)|² + λN (|c|² + |b|²)` of N samples.
-pub struct Energy {
+pub(super) struct Energy {
     kernel: Kernel,
     /// λN.
     ridge: f64,
     learned: Entries,
-    sample_len: usize,
-    input_len: usize,
+    /// N.
+    pub(super) sample_len: usize,
+    /// d.
+    pub(super) input_len: usize,
     /// Inputs u, d per sample.
-    inputs: Vec<f64>,
+    pub(super) inputs: Vec<f64>,
     /// Values y, N per value.
     values: Vec<f64>,
     /// Values of the monomials, N per term.
@@ -28,22 +30,22 @@ pub struct Energy {
 
 /// Parameters of a sum, or a gradient by them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parameters {
+pub(super) struct Parameters {
     /// Centres t, d each.
-    pub centres: Vec<f64>,
+    pub(super) centres: Vec<f64>,
     /// Metric W by rows, d each.
-    pub metric: Vec<f64>,
+    pub(super) metric: Vec<f64>,
     /// Coefficients `[c b]`, n + terms per value.
-    pub coefficients: Vec<f64>,
+    pub(super) coefficients: Vec<f64>,
 }
 
 /// Parameters and their energy.
 #[derive(Clone, Debug)]
-pub struct Point {
+pub(super) struct Point {
     /// Parameters of the sum.
-    pub parameters: Parameters,
+    pub(super) parameters: Parameters,
     /// Energy E.
-    pub energy: f64,
+    pub(super) energy: f64,
     measured: Measured,
     /// Values of kernels and monomials, N per column.
     basis: Vec<f64>,
@@ -69,7 +71,7 @@ impl Energy {
     /// - If there are no samples, inputs or values.
     /// - If a length does not match the samples.
     /// - If the ridge is negative or not finite.
-    pub fn new(
+    pub(super) fn new(
         sites: MatRef<'_, f64>,
         values: MatRef<'_, f64>,
         shift: &[f64],
@@ -121,13 +123,13 @@ impl Energy {
     }
 
     /// Evaluates the energy.
-    pub fn at(&self, parameters: Parameters) -> Point {
+    pub(super) fn at(&self, parameters: Parameters) -> Point {
         let (measured, basis) = self.basis(&parameters);
         self.point(parameters, measured, basis)
     }
 
     /// Computes the least energy with these centres and this metric, and stores the coefficients of that energy.
-    pub fn solved(&self, mut parameters: Parameters) -> Point {
+    pub(super) fn solved(&self, mut parameters: Parameters) -> Point {
         let (measured, basis) = self.basis(&parameters);
         parameters.coefficients = if self.ridge > 0.0 {
             let count = basis.len() / self.sample_len;
@@ -152,9 +154,9 @@ impl Energy {
     ///
     /// Let z = W u, τ = W t, and q_ia = (c_a·Δ_i) G'_ia. Then ∂E/∂z_i = -4 Σ_a q_ia (z_i - τ_a) and ∂E/∂τ_a = 4 Σ_i
     /// q_ia (z_i - τ_a). METHOD's ∂E/∂t is Wᵀ ∂E/∂τ. METHOD's ∂E/∂W is the sum of ∂E/∂z_i u_iᵀ and ∂E/∂τ_a t_aᵀ.
-    pub fn gradient(&self, point: &Point) -> Parameters {
+    pub(super) fn gradient(&self, point: &Point) -> Parameters {
         let Point { parameters, measured, basis, residuals, .. } = point;
-        let (n, e) = (parameters.centre_len(self), parameters.row_len(self));
+        let [n, e] = [&parameters.centres, &parameters.metric].map(|of| of.len() / self.input_len);
         let count = n + self.term_len();
         let mut by_sample = vec![0.0; e];
         let mut by_centre = vec![0.0; e * n];
@@ -191,19 +193,6 @@ impl Energy {
         let coefficients = coefficients.map(|(down, c)| 2.0 * (self.ridge * c - down)).collect();
         Parameters { centres, metric, coefficients }
     }
-}
-
-/// Views of the samples for the methods.
-impl Energy {
-    /// Returns N.
-    pub(super) fn sample_len(&self) -> usize {
-        self.sample_len
-    }
-
-    /// Returns d.
-    pub(super) fn input_len(&self) -> usize {
-        self.input_len
-    }
 
     /// Returns m.
     pub(super) fn value_len(&self) -> usize {
@@ -236,20 +225,9 @@ impl Energy {
         points.flat_map(|point| rows().map(|row| dot(row, point))).collect()
     }
 
-    /// Returns W times u of all samples.
-    pub(super) fn measured_samples(&self, metric: &[f64]) -> Vec<f64> {
-        self.measured(metric, &self.inputs)
-    }
-
-    /// Returns the norms of the residuals, N.
-    pub(super) fn residual_norms(&self, point: &Point) -> Vec<f64> {
-        let of = |i: usize| point.residuals[i..].iter().step_by(self.sample_len);
-        (0..self.sample_len).map(|i| of(i).map(|left| left * left).sum::<f64>().sqrt()).collect()
-    }
-
     fn basis(&self, parameters: &Parameters) -> (Measured, Vec<f64>) {
-        let e = parameters.row_len(self);
-        let samples = self.measured_samples(&parameters.metric);
+        let e = parameters.metric.len() / self.input_len;
+        let samples = self.measured(&parameters.metric, &self.inputs);
         let centres = self.measured(&parameters.metric, &parameters.centres);
         let mut basis = Vec::with_capacity(self.monomials.len() + self.sample_len);
         for centre in centres.chunks_exact(e) {
@@ -287,18 +265,6 @@ impl Energy {
                 Entries::All => row.iter_mut().zip(right).for_each(|(w, right)| *w += left * right),
             }
         }
-    }
-}
-
-impl Parameters {
-    /// Returns n.
-    fn centre_len(&self, energy: &Energy) -> usize {
-        self.centres.len() / energy.input_len
-    }
-
-    /// Returns e.
-    fn row_len(&self, energy: &Energy) -> usize {
-        self.metric.len() / energy.input_len
     }
 }
 

@@ -8,7 +8,7 @@
 //!   raises the energy by ΔE is accepted with probability e^(-ΔE/T).
 
 use super::energy::{Energy, Parameters, Point};
-use super::options::{Step, Stop, Trace};
+use super::options::{Step, Trace};
 use crate::numeric::columns::dot;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -28,7 +28,7 @@ pub(super) fn variable_projection(
 ) -> Point {
     let mut memory = Memory::default();
     let mut gradient = downhill(energy, &here);
-    trace.stop = loop {
+    loop {
         let direction = memory.direction(&gradient, REACH);
         let slope = dot(&gradient, &direction);
         let at = |length: f64| {
@@ -42,13 +42,10 @@ pub(super) fn variable_projection(
         };
         let found = if slope < 0.0 { search(here.energy, slope, at) } else { None };
         let Some((there, after)) = found else {
-            if trace.evaluations >= budget {
-                break Stop::Budget;
-            }
-            if memory.forget() {
+            if trace.evaluations < budget && memory.forget() {
                 continue;
             }
-            break Stop::NoDescent;
+            return here;
         };
         let mut step = flattened(&there.parameters);
         add(&mut step, -1.0, &flattened(&here.parameters));
@@ -61,10 +58,9 @@ pub(super) fn variable_projection(
         (here, gradient) = (there, after);
         trace.steps.push(Step { energy: here.energy, accepted: true });
         if is_settled(trace) {
-            break Stop::Settled;
+            return here;
         }
-    };
-    here
+    }
 }
 
 fn is_settled(trace: &Trace) -> bool {
@@ -101,11 +97,9 @@ pub(super) fn gradient_flow(
     trace: &mut Trace,
 ) -> Point {
     let mut gradient = energy.gradient(&here);
-    trace.stop = Stop::Budget;
     while trace.evaluations < budget {
         let parameters = descended(&here.parameters, -omega, &gradient);
         if parameters == here.parameters {
-            trace.stop = Stop::NoDescent;
             break;
         }
         trace.evaluations += 1;
@@ -155,7 +149,6 @@ impl Walk<'_> {
         let [first, last] = self.temperatures;
         let begin = trace.evaluations;
         let mut best = here.clone();
-        trace.stop = Stop::Budget;
         while trace.evaluations < self.budget {
             let done = (trace.evaluations - begin) as f64 / (self.budget - begin) as f64;
             let temperature = first + (last - first) * done;
@@ -178,7 +171,7 @@ impl Walk<'_> {
     /// Changes a centre, or the learned entries of the metric.
     fn changed(&self, from: &Parameters, entries: &[usize], random: &mut ChaCha8Rng) -> Parameters {
         let mut to = from.clone();
-        let input_len = self.energy.input_len();
+        let input_len = self.energy.input_len;
         let group_len = to.centres.len() / input_len + usize::from(!entries.is_empty());
         let group = random.random_range(0..group_len);
         let size = self.reach / f64::from(1u32 << random.random_range(0..HALVES));

@@ -1,7 +1,7 @@
 //! HyperBF: sums of few kernels whose centres and metric are learned (S1 appendix 1, METHOD §3).
 //!
 //! [`learn()`] places centres on samples ([`Start`]) and moves the centres and the metric by one of three methods
-//! ([`Method`]). It starts once from every seed and keeps the best result. The methods lower the [`Energy`].
+//! ([`Method`]). It starts once from every seed and keeps the best result. The methods lower the energy.
 //!
 //! The same seed gives the same trace, bit for bit, on any CPU. Random numbers are ChaCha8's, loops are scalar with a
 //! fixed order, and libm computes everything except sums, products, quotients and square roots.
@@ -11,12 +11,12 @@ mod least_squares;
 mod methods;
 mod options;
 
-pub use energy::{Energy, Parameters, Point};
-pub use options::{Entries, Method, Metric, Options, Start, Step, Stop, Trace};
+pub use options::{Entries, Method, Metric, Options, Start, Step, Trace};
 
 use crate::Error;
 use crate::regression::function::order;
 use crate::scattered::sum::{KernelSum, monomials, squared};
+use energy::{Energy, Parameters, Point};
 use faer::{Mat, MatRef};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -40,7 +40,8 @@ pub struct Learned {
 /// - `shift`, `scale`: d each, turn x into u, the coordinates of centres, metric and polynomial.
 ///
 /// # Errors
-/// - Errors of [`Energy::new`].
+/// - If there are no samples, inputs or values, or a length does not match the samples.
+/// - If the ridge is negative or not finite.
 /// - If the kernel is a hat.
 /// - If there are no centres or no seeds.
 /// - If there are more centres and monomials than samples.
@@ -72,7 +73,7 @@ fn check(energy: &Energy, options: &Options) -> Result<(), Error> {
             "nothing can be learned with a hat: it is for evaluation alone",
         ));
     }
-    let (centres, terms, samples) = (options.centres, energy.term_len(), energy.sample_len());
+    let (centres, terms, samples) = (options.centres, energy.term_len(), energy.sample_len);
     if centres == 0 {
         return Err(Error::value("the number of centres is 0"));
     }
@@ -112,8 +113,7 @@ fn from_seed(energy: &Energy, options: &Options, seed: u64) -> Result<(Point, Tr
             "the energy is not finite where seed {seed} starts: a sample or the metric is not"
         )));
     }
-    let mut trace =
-        Trace { seed, start: start.energy, steps: Vec::new(), evaluations: 1, stop: Stop::Budget };
+    let mut trace = Trace { seed, start: start.energy, steps: Vec::new(), evaluations: 1 };
     let budget = options.evaluations;
     let point = match options.method {
         Method::VariableProjection => {
@@ -168,9 +168,8 @@ fn choose_samples(
     random: &mut ChaCha8Rng,
 ) -> Vec<usize> {
     match start {
-        Start::Random => random_samples(energy.sample_len(), count, random),
+        Start::Random => random_samples(energy.sample_len, count, random),
         Start::KMeansPlusPlus => k_means_plus_plus(energy, metric, count, random),
-        Start::Greedy => greedy_samples(energy, metric, count),
     }
 }
 
@@ -192,11 +191,11 @@ fn k_means_plus_plus(
     count: usize,
     random: &mut ChaCha8Rng,
 ) -> Vec<usize> {
-    let measured = energy.measured_samples(metric);
-    let row_len = measured.len() / energy.sample_len();
+    let measured = energy.measured(metric, &energy.inputs);
+    let row_len = measured.len() / energy.sample_len;
     let at = |sample: usize| &measured[sample * row_len..][..row_len];
-    let mut chosen = vec![random.random_range(0..energy.sample_len())];
-    let mut distances = vec![f64::INFINITY; energy.sample_len()];
+    let mut chosen = vec![random.random_range(0..energy.sample_len)];
+    let mut distances = vec![f64::INFINITY; energy.sample_len];
     while chosen.len() < count {
         let last = chosen[chosen.len() - 1];
         for (i, distance) in distances.iter_mut().enumerate() {
@@ -207,22 +206,8 @@ fn k_means_plus_plus(
             left -= distance;
             left < 0.0
         });
-        let next = drawn.or_else(|| (0..energy.sample_len()).find(|i| !chosen.contains(i)));
+        let next = drawn.or_else(|| (0..energy.sample_len).find(|i| !chosen.contains(i)));
         chosen.extend(next);
-    }
-    chosen
-}
-
-/// Chooses each sample where the earlier ones, with solved coefficients, have the largest residual.
-fn greedy_samples(energy: &Energy, metric: &[f64], count: usize) -> Vec<usize> {
-    let mut chosen = Vec::new();
-    while chosen.len() < count {
-        let residual_norms =
-            energy.residual_norms(&energy.solved(centres_on(energy, metric, &chosen)));
-        let others = (0..energy.sample_len()).filter(|i| !chosen.contains(i));
-        let worst =
-            others.max_by(|&a, &b| residual_norms[a].total_cmp(&residual_norms[b]).then(b.cmp(&a)));
-        chosen.extend(worst);
     }
     chosen
 }

@@ -1,6 +1,7 @@
 //! Options and traces of learning.
 
 use faer::Mat;
+use serde::Deserialize;
 use sinew_runtime::kernel::Kernel;
 
 /// Options of learning.
@@ -48,14 +49,18 @@ impl Metric {
     }
 }
 
-/// Entries of a metric.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Entries of a metric, by the names that a person writes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 pub enum Entries {
     /// No entry: the metric is fixed.
+    #[serde(rename = "fixed")]
     None,
     /// Entries on the diagonal: a weight per input.
+    #[default]
+    #[serde(rename = "diagonal")]
     Diagonal,
     /// All entries.
+    #[serde(rename = "full")]
     All,
 }
 
@@ -67,15 +72,12 @@ pub enum Start {
     /// Samples with a probability proportional to their squared distance from the earlier ones (Arthur and
     /// Vassilvitskii 2007).
     KMeansPlusPlus,
-    /// Samples with the largest residual of the earlier ones. The seed has no effect.
-    Greedy,
 }
 
 /// Method that moves centres and metric.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// Solves for the coefficients exactly at every step, and for the rest by L-BFGS.
-    #[default]
     VariableProjection,
     /// Follows S1's dynamical system: all parameters move down the gradient, times ω.
     GradientFlow {
@@ -103,8 +105,6 @@ pub struct Trace {
     pub steps: Vec<Step>,
     /// Number of evaluations of E, including the start.
     pub evaluations: usize,
-    /// Reason for the end.
-    pub stop: Stop,
 }
 
 /// Step of a method.
@@ -114,22 +114,4 @@ pub struct Step {
     pub energy: f64,
     /// Whether the step was accepted. A refused step of a gradient flow halves ω.
     pub accepted: bool,
-}
-
-/// Reason why learning stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// All evaluations are used.
-    Budget,
-    /// The last steps hardly lowered the energy.
-    Settled,
-    /// No step along the gradient lowers the energy.
-    NoDescent,
-}
-
-impl Trace {
-    /// Returns the number of accepted steps.
-    pub fn accepted(&self) -> usize {
-        self.steps.iter().filter(|step| step.accepted).count()
-    }
 }

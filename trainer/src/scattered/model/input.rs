@@ -35,9 +35,8 @@ impl InputKind {
     /// Returns the number of values that a user gives.
     pub const fn given_len(self) -> usize {
         match self {
-            Self::Scalar => 1,
-            Self::Vector3 | Self::Rotation { order: Some(_), .. } => 3,
-            Self::Rotation { order: None, .. } => 4,
+            Self::Rotation { order: Some(_), .. } => 3,
+            kind => kind.number_len(),
         }
     }
 
@@ -53,9 +52,8 @@ impl InputKind {
     /// Returns the number of features.
     pub fn feature_len(self) -> usize {
         match self {
-            Self::Scalar => 1,
-            Self::Vector3 => 3,
             Self::Rotation { feature, .. } => feature.number_len(),
+            kind => kind.number_len(),
         }
     }
 

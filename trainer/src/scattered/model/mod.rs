@@ -99,9 +99,7 @@ impl KernelModel {
         }
         Ok(x)
     }
-}
 
-impl KernelModel {
     /// Reads a file's function in f64, without its variance.
     pub fn from_file(map: &KernelMap<'_>) -> Self {
         let (rule, fit) = (map.rule(), map.fit());

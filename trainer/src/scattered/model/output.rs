@@ -43,6 +43,14 @@ pub enum OutputKind {
 }
 
 impl OutputKind {
+    /// A number without bounds, whose neutral value is 0.
+    pub const FREE: Self = Self::Scalar {
+        low: f32::MIN as f64,
+        high: f32::MAX as f64,
+        normalised: false,
+        neutral: 0.0,
+    };
+
     /// Returns the number of the function's values that the output uses.
     pub const fn value_len(self) -> usize {
         match self {

@@ -4,12 +4,10 @@
 //! rotation by angles in degrees about x, then y, then z.
 
 use super::definition::{Problem, ProblemOptions};
-use super::json::{free_scalar, wrong_kind};
+use super::json::{WrittenInput, WrittenOutput, wrong_kind};
 use crate::Error;
 use crate::formats::csv;
-use crate::regression::rotations::Feature;
-use crate::scattered::model::{Input, InputKind, Output, OutputKind};
-use sinew_runtime::kernel::EulerOrder;
+use crate::scattered::model::{Input, InputKind, Output};
 
 /// Table of numbers with named columns.
 pub(super) struct Table {
@@ -22,13 +20,19 @@ pub(super) struct Table {
 /// Columns that form one input or output.
 struct Group {
     name: String,
-    parts: &'static [&'static str],
+    /// Kind, as in a problem in JSON.
+    kind: &'static str,
     columns: Vec<usize>,
 }
 
-/// Name endings of columns that belong together, the longest list first.
-const PARTS: [&[&str]; 3] =
-    [&[".x", ".y", ".z", ".w"], &[".x", ".y", ".z"], &[".rx", ".ry", ".rz"]];
+/// Kind of the angles about x, then y, then z.
+const ANGLES: &str = "euler XYZ";
+/// Kinds of several columns, with the name endings of the columns, the longest list first.
+const PARTS: [(&str, &[&str]); 3] = [
+    ("quaternion", &[".x", ".y", ".z", ".w"]),
+    ("vector3", &[".x", ".y", ".z"]),
+    (ANGLES, &[".rx", ".ry", ".rz"]),
+];
 
 impl Table {
     /// Reads a table. Columns without a name and without cells are ignored.
@@ -75,15 +79,16 @@ impl Table {
         let mut groups = Vec::new();
         let mut at = 0;
         while at < self.names.len() {
-            let group = PARTS.into_iter().find_map(|parts| {
+            let group = PARTS.into_iter().find_map(|(kind, parts)| {
                 let stem = self.names[at].strip_suffix(parts[0])?;
                 let own = self.names.get(at..at + parts.len())?;
                 let fits =
                     own.iter().zip(parts).all(|(own, part)| own.strip_suffix(part) == Some(stem));
-                fits.then(|| (stem.to_owned(), parts))
+                fits.then(|| (stem.to_owned(), kind, parts))
             });
-            let (name, parts) = group.unwrap_or_else(|| (self.names[at].clone(), &[""]));
-            groups.push(Group { name, parts, columns: (at..at + parts.len()).collect() });
+            let alone = || (self.names[at].clone(), "scalar", &[""] as &[&str]);
+            let (name, kind, parts) = group.unwrap_or_else(alone);
+            groups.push(Group { name, kind, columns: (at..at + parts.len()).collect() });
             at += parts.len();
         }
         groups
@@ -111,9 +116,10 @@ impl Table {
             let columns: Vec<usize> = groups.iter().flat_map(|g| g.columns.clone()).collect();
             self.rows.iter().map(|row| columns.iter().map(|&at| row[at]).collect()).collect()
         };
+        let input = |group: &&Group| WrittenInput::of(&group.name, group.kind).input();
         Problem {
             name: name.to_owned(),
-            inputs: rest.iter().map(|group| group.input()).collect(),
+            inputs: rest.iter().map(input).collect::<Result<_, _>>()?,
             outputs: own.iter().map(|group| group.output()).collect::<Result<_, _>>()?,
             sites: numbers(&rest),
             values: numbers(&own),
@@ -125,29 +131,12 @@ impl Table {
 }
 
 impl Group {
-    fn input(&self) -> Input {
-        let kind = match self.parts {
-            [_, _, _, _] => InputKind::Rotation { feature: Feature::Matrix, order: None },
-            [".rx", ..] => {
-                InputKind::Rotation { feature: Feature::Matrix, order: Some(EulerOrder::Xyz) }
-            }
-            [_, _, _] => InputKind::Vector3,
-            _ => InputKind::Scalar,
-        };
-        Input { name: self.name.clone(), kind, weight: 1.0 }
-    }
-
     fn output(&self) -> Result<Output, Error> {
-        let kind = match self.parts {
-            [_, _, _, _] => OutputKind::Rotation { neutral: [0.0, 0.0, 0.0, 1.0] },
-            [".rx", ..] => {
-                let expected = "a number, .x .y .z or .x .y .z .w";
-                return Err(wrong_kind("output", &self.name, expected, "angles"));
-            }
-            [_, _, _] => OutputKind::Vector3 { neutral: [0.0; 3] },
-            _ => free_scalar(),
-        };
-        Ok(Output { name: self.name.clone(), kind })
+        if self.kind == ANGLES {
+            let expected = "a number, .x .y .z or .x .y .z .w";
+            return Err(wrong_kind("output", &self.name, expected, "angles"));
+        }
+        WrittenOutput::of(&self.name, self.kind).output()
     }
 }
 
@@ -162,9 +151,9 @@ fn no_column(name: &str, found: &str) -> Error {
 pub(super) fn column_names(input: &Input) -> Vec<String> {
     let parts: &[&str] = match input.kind {
         InputKind::Scalar => &[""],
-        InputKind::Vector3 => PARTS[1],
-        InputKind::Rotation { order: None, .. } => PARTS[0],
-        InputKind::Rotation { order: Some(_), .. } => PARTS[2],
+        InputKind::Vector3 => PARTS[1].1,
+        InputKind::Rotation { order: None, .. } => PARTS[0].1,
+        InputKind::Rotation { order: Some(_), .. } => PARTS[2].1,
     };
     parts.iter().map(|part| format!("{}{part}", input.name)).collect()
 }

@@ -1,7 +1,6 @@
 //! Samples of a function, and the options of their fit as a person writes them.
 
 use crate::Error;
-use crate::scattered::deviation::F32_ERROR;
 use crate::scattered::hyper;
 use crate::scattered::model::{Input, InputKind, Output};
 use serde::Deserialize;
@@ -100,7 +99,7 @@ pub(super) fn wrong_rows(sites: usize, values: usize) -> Error {
 }
 
 /// Options of a fit. Omitted options are chosen by leaving samples out, or have the default named here.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields, expecting = "options by name")]
 pub struct ProblemOptions {
     /// Rules of the fit.
@@ -112,8 +111,9 @@ pub struct ProblemOptions {
     pub epsilon: Option<f64>,
     /// Smoothing λ; default: 0, which interpolates.
     pub smoothing: Option<Smoothing>,
-    /// Largest deviation of the file, over a value's range; default: [`F32_ERROR`].
-    pub f32_error: f64,
+    /// Largest deviation of the file, over a value's range; default:
+    /// [`F32_ERROR`](crate::scattered::deviation::F32_ERROR).
+    pub f32_error: Option<f64>,
     /// Degree of the polynomial, -1 for none; default: the least degree that the kernel allows.
     pub degree: Option<i32>,
     /// For SciPy's mode: number of nearest samples that determine the function at a query.
@@ -130,9 +130,9 @@ pub struct ProblemOptions {
     pub groups: Option<Vec<usize>>,
     /// Row of the neutral sample; default: the first.
     pub neutral: usize,
-    /// Rule for queries far from the samples.
+    /// Rule for queries far from the samples; default: free.
     #[serde(deserialize_with = "query_rule")]
-    pub outside: QueryRule,
+    pub outside: Option<QueryRule>,
     /// Rule by which marked outputs are divided by their sum.
     #[serde(deserialize_with = "normalise")]
     pub normalise: Option<Normalise>,
@@ -194,7 +194,7 @@ pub struct Learn {
     /// Number of centres; default: 12, or fewer if there are fewer samples.
     pub centres: Option<usize>,
     /// Learned part of the metric.
-    pub metric: LearnMetric,
+    pub metric: hyper::Entries,
     /// Number of rows of a low-rank metric.
     pub rank: Option<usize>,
     /// Number of starts.
@@ -218,49 +218,12 @@ pub enum LearnMethod {
     Metropolis,
 }
 
-/// Learned part of a metric.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum LearnMetric {
-    /// No entry.
-    Fixed,
-    /// A weight per input.
-    #[default]
-    Diagonal,
-    /// Every entry.
-    Full,
-}
-
-impl Default for ProblemOptions {
-    fn default() -> Self {
-        Self {
-            mode: Mode::default(),
-            kernel: None,
-            epsilon: None,
-            smoothing: None,
-            f32_error: F32_ERROR,
-            degree: None,
-            neighbors: None,
-            centres: None,
-            learn: None,
-            weights: false,
-            average: false,
-            groups: None,
-            neutral: 0,
-            outside: QueryRule::Free,
-            normalise: None,
-            radius: None,
-            normalise_features: false,
-        }
-    }
-}
-
 impl Default for Learn {
     fn default() -> Self {
         Self {
             method: LearnMethod::default(),
             centres: None,
-            metric: LearnMetric::default(),
+            metric: hyper::Entries::default(),
             rank: None,
             seeds: 4,
             evaluations: 1000,
@@ -280,19 +243,23 @@ impl LearnMethod {
     }
 }
 
-fn query_rule<'de, D: Deserializer<'de>>(from: D) -> Result<QueryRule, D::Error> {
-    let name = String::deserialize(from)?;
-    let found = QueryRule::ALL.into_iter().find(|rule| rule.name() == name);
-    found.ok_or_else(|| D::Error::custom(expected(QueryRule::ALL.map(QueryRule::name), &name)))
+fn query_rule<'de, D: Deserializer<'de>>(from: D) -> Result<Option<QueryRule>, D::Error> {
+    named(from, QueryRule::ALL, QueryRule::name)
 }
 
 fn normalise<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Normalise>, D::Error> {
-    let name = String::deserialize(from)?;
-    let found = Normalise::ALL.into_iter().find(|rule| rule.name() == name);
-    let unknown = || D::Error::custom(expected(Normalise::ALL.map(Normalise::name), &name));
-    found.map(Some).ok_or_else(unknown)
+    named(from, Normalise::ALL, Normalise::name)
 }
 
-fn expected<const N: usize>(names: [&str; N], found: &str) -> String {
-    format!("expected one of {}, found \"{found}\"", names.join(", "))
+/// Reads a rule by its name.
+fn named<'de, D: Deserializer<'de>, T: Copy, const N: usize>(
+    from: D,
+    rules: [T; N],
+    name: fn(T) -> &'static str,
+) -> Result<Option<T>, D::Error> {
+    let written = String::deserialize(from)?;
+    let found = rules.into_iter().find(|rule| name(*rule) == written);
+    let expected = rules.map(name).join(", ");
+    let unknown = || D::Error::custom(format!("expected one of {expected}, found \"{written}\""));
+    found.map(Some).ok_or_else(unknown)
 }

@@ -101,15 +101,6 @@ pub(super) fn queries(text: &[u8]) -> Result<Vec<Vec<f64>>, Error> {
     rows("queries", all.get("queries").unwrap_or(&all))
 }
 
-/// Orders of Euler angles, by name.
-const ORDERS: [(&str, EulerOrder); 6] = [
-    ("XYZ", EulerOrder::Xyz),
-    ("XZY", EulerOrder::Xzy),
-    ("YXZ", EulerOrder::Yxz),
-    ("YZX", EulerOrder::Yzx),
-    ("ZXY", EulerOrder::Zxy),
-    ("ZYX", EulerOrder::Zyx),
-];
 /// Kinds of inputs.
 const INPUTS: &str = "scalar, vector3, quaternion, rows, swing, twist, angle or euler XYZ (any order), \
                       and \"swing euler XYZ\" likewise";
@@ -149,6 +140,11 @@ const fn one() -> f64 {
 }
 
 impl WrittenInput {
+    /// Makes an input of a kind.
+    pub(super) fn of(name: &str, kind: &str) -> Self {
+        Self { name: name.to_owned(), kind: kind.to_owned(), weight: 1.0, axis: None }
+    }
+
     /// Reads the kind of the input.
     ///
     /// # Errors
@@ -157,7 +153,7 @@ impl WrittenInput {
         let Self { name, kind: written, weight, axis } = self;
         let words: Vec<&str> = written.split_whitespace().collect();
         let order = |word: &str| {
-            ORDERS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, order)| *order)
+            EulerOrder::ALL.into_iter().find(|order| order.name().eq_ignore_ascii_case(word))
         };
         let (feature, order) = match words[..] {
             ["scalar"] | ["vector3"] => (None, None),
@@ -205,6 +201,11 @@ impl WrittenInput {
 }
 
 impl WrittenOutput {
+    /// Makes an output of a kind.
+    pub(super) fn of(name: &str, kind: &str) -> Self {
+        Self { name: name.to_owned(), kind: kind.to_owned(), clamp: None, normalise: false }
+    }
+
     /// Reads the kind of the output. Its neutral value is 0, or the identity, until the neutral sample sets it.
     ///
     /// # Errors
@@ -243,11 +244,5 @@ pub(super) fn scalar_inputs(len: usize) -> Vec<Input> {
 
 /// Makes scalar outputs with default names.
 pub(super) fn scalar_outputs(len: usize) -> Vec<Output> {
-    (0..len).map(|i| Output { name: format!("y{i}"), kind: free_scalar() }).collect()
-}
-
-/// Returns the kind of a scalar without bounds.
-pub(super) fn free_scalar() -> OutputKind {
-    let [low, high] = [f32::MIN, f32::MAX].map(f64::from);
-    OutputKind::Scalar { low, high, normalised: false, neutral: 0.0 }
+    (0..len).map(|i| Output { name: format!("y{i}"), kind: OutputKind::FREE }).collect()
 }

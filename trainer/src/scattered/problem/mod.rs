@@ -4,7 +4,7 @@ mod csv;
 mod definition;
 mod json;
 
-pub use definition::{Learn, LearnMethod, LearnMetric, Mode, Problem, ProblemOptions, Smoothing};
+pub use definition::{Learn, LearnMethod, Mode, Problem, ProblemOptions, Smoothing};
 pub(super) use json::rows;
 
 use crate::Error;

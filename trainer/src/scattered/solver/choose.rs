@@ -1,16 +1,15 @@
 //! Choice of width and smoothing, by leaving samples out (METHOD §2.2).
 
-use super::fit::AnyFit;
+use super::fit::Fit;
 use super::matrix::{distances, gram};
 use super::options::Options;
-use super::refusal::{IllConditioned, Refusal};
+use super::refusal::Refusal;
 use super::samples::{ONE_SITE, Samples};
 use crate::Error;
 use crate::regression::function::{Exact, is_scale_invariant};
 use crate::scattered::deviation::{Probe, ROOM};
 use crate::scattered::sum::KernelSum;
 use rayon::prelude::*;
-use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
 use std::cell::OnceCell;
 
@@ -36,11 +35,6 @@ pub struct Freedom {
     pub smoothing: bool,
 }
 
-impl Freedom {
-    /// Chooses both.
-    pub const ALL: Self = Self { epsilon: true, smoothing: true };
-}
-
 /// Options that predict left-out samples best.
 #[derive(Clone, Debug)]
 pub struct Choice {
@@ -48,20 +42,6 @@ pub struct Choice {
     pub options: Options,
     /// Whether the kernels do not reach the next sample, because no wider kernel can be evaluated.
     pub is_narrow: bool,
-    /// All candidates, in the order of their trial.
-    pub tried: Vec<Tried>,
-}
-
-/// Candidate of the options.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Tried {
-    /// Factor of distances.
-    pub epsilon: f64,
-    /// Smoothing λ.
-    pub smoothing: f64,
-    /// RMS error of left-out samples, of each value over its spread; `None` if the fit is refused or samples cannot be
-    /// left out.
-    pub error: Option<f64>,
 }
 
 impl Choice {
@@ -87,17 +67,6 @@ impl Choice {
         groups: &[Vec<usize>],
         probe: Option<&Probe>,
     ) -> Result<Self, Error> {
-        Ok(Self::or_refusal(samples, options, freedom, groups, probe)?)
-    }
-
-    /// Chooses as [`Self::new`]; an error keeps its reason.
-    pub(crate) fn or_refusal(
-        samples: &Samples,
-        options: &Options,
-        freedom: Freedom,
-        groups: &[Vec<usize>],
-        probe: Option<&Probe>,
-    ) -> Result<Self, Refusal> {
         options.check()?;
         let fixed = !freedom.epsilon || is_scale_invariant(options.kernel);
         let apart = Spacing::new(samples).mean;
@@ -110,21 +79,18 @@ impl Choice {
         let mut all = judge.all(&grid);
         if !fixed
             && apart > 0.0
-            && let Err(refusal) = judge.best(&all)
-            && refusal.is_caused_by_kernel()
+            && let Err(error) = judge.best(&all)
+            && Refusal::of(&error).is_some()
         {
             let widest = epsilons.last().copied().unwrap_or(WIDEST);
-            let found = judge.narrower(&mut all, &shares, [widest, APART / apart]);
-            let Tried { epsilon, smoothing, .. } = found.ok_or(refusal)?;
-            let options = Options { epsilon, smoothing, ..*options };
-            let tried = all.iter().map(|candidate| candidate.tried).collect();
-            return Ok(Self { options, is_narrow: !joins(&epsilon), tried });
+            let options = judge.narrower(&shares, [widest, APART / apart]).ok_or(error)?;
+            return Ok(Self { options, is_narrow: !joins(&options.epsilon) });
         }
         for halving in 1..=HALVINGS {
             let step = 0.5f64.powi(halving as i32);
             // The grid's steps are factors of 2 and of 100.
             let (wider, smoother) = (2f64.powf(step), 100f64.powf(step));
-            let GridPoint { epsilon, share } = judge.best(&all)?.point;
+            let &Candidate { options: Options { epsilon, .. }, share, .. } = judge.best(&all)?;
             let epsilons = [epsilon / wider, epsilon * wider].into_iter().filter(joins);
             let shares =
                 [share / smoother, share * smoother].map(|share| GridPoint { epsilon, share });
@@ -133,13 +99,7 @@ impl Choice {
             near.extend(shares.into_iter().filter(|point| point.share > 0.0));
             all.extend(judge.all(&near));
         }
-        let Tried { epsilon, smoothing, .. } = judge.best(&all)?.tried;
-        let options = Options { epsilon, smoothing, ..*options };
-        Ok(Self {
-            options,
-            is_narrow: false,
-            tried: all.iter().map(|candidate| candidate.tried).collect(),
-        })
+        Ok(Self { options: judge.best(&all)?.options, is_narrow: false })
     }
 }
 
@@ -161,10 +121,14 @@ struct GridPoint {
 }
 
 struct Candidate {
-    point: GridPoint,
-    tried: Tried,
-    /// Fitted function, or the reason why there is none; no reason if the options are out of range.
-    sum: Result<KernelSum, Option<IllConditioned>>,
+    options: Options,
+    /// Smoothing, in units of the kernel matrix's RMS entry.
+    share: f64,
+    /// RMS error of left-out samples, of each value over its spread; `None` if the fit is refused or samples cannot be
+    /// left out.
+    error: Option<f64>,
+    /// Fitted function, or the reason why there is none.
+    sum: Result<KernelSum, Error>,
     /// Deviation of the function's file, over the limit.
     deviation: OnceCell<f64>,
 }
@@ -195,38 +159,27 @@ impl Judge<'_> {
         let given = if self.freedom.smoothing { 0.0 } else { self.options.smoothing };
         let (epsilon, smoothing) = (point.epsilon, given + point.share * unit);
         let options = Options { epsilon, smoothing, ..*self.options };
-        let fit = match options.check() {
-            Ok(()) => AnyFit::checked(self.samples, &options).map_err(Some),
-            Err(_) => Err(None),
-        };
+        let fit = Fit::new(self.samples, &options);
         let squares =
             fit.as_ref().ok().and_then(|fit| fit.leave_one_out().mean_squares(self.groups));
         let error = squares.map(|squares| {
             let shares = squares.iter().zip(&self.spreads).map(|(square, s)| square / (s * s));
             (shares.sum::<f64>() / squares.len() as f64).sqrt()
         });
-        let tried = Tried { epsilon, smoothing, error };
-        let sum = fit.map(|fit| fit.sum().clone());
-        Candidate { point, tried, sum, deviation: OnceCell::new() }
+        let sum = fit.map(|fit| fit.sum);
+        Candidate { options, share: point.share, error, sum, deviation: OnceCell::new() }
     }
 
     /// Finds the widest kernels with an acceptable fit.
     ///
     /// - `widest`: epsilon that is too wide.
     /// - `most`: largest epsilon to try.
-    fn narrower(
-        &self,
-        all: &mut Vec<Candidate>,
-        shares: &[f64],
-        [widest, most]: [f64; 2],
-    ) -> Option<Tried> {
+    fn narrower(&self, shares: &[f64], [widest, most]: [f64; 2]) -> Option<Options> {
         // Deviations do not fall evenly, because of rounding.
         let steps = std::iter::successors(Some(widest), |epsilon| Some(STEP * epsilon)).skip(1);
         steps.take_while(|epsilon| *epsilon <= most).find_map(|epsilon| {
             let own = self.all(&grid_points(epsilon, shares).collect::<Vec<_>>());
-            let found = self.best(&own).ok().map(|best| best.tried);
-            all.extend(own);
-            found
+            Some(self.best(&own).ok()?.options)
         })
     }
 
@@ -236,23 +189,19 @@ impl Judge<'_> {
     ///
     /// # Errors
     /// Errors of [`Choice::new`].
-    fn best<'c>(&self, all: &'c [Candidate]) -> Result<&'c Candidate, Refusal> {
-        let known = all.iter().any(|candidate| candidate.tried.error.is_some());
+    fn best<'c>(&self, all: &'c [Candidate]) -> Result<&'c Candidate, Error> {
+        let known = all.iter().any(|candidate| candidate.error.is_some());
         let fitted = all.iter().any(|candidate| candidate.sum.is_ok());
         if fitted && !known && self.freedom.smoothing {
-            return Err(no_choice().into());
+            return Err(no_choice());
         }
-        let far = |tried: &Tried| (tried.epsilon / self.options.epsilon).log2().abs();
         let score = |candidate: &Candidate| match known {
-            true => candidate.tried.error.unwrap_or(f64::INFINITY),
-            false => far(&candidate.tried),
+            true => candidate.error.unwrap_or(f64::INFINITY),
+            false => (candidate.options.epsilon / self.options.epsilon).log2().abs(),
         };
-        let mut order: Vec<&Candidate> = all
-            .iter()
-            .filter(|candidate| {
-                candidate.sum.is_ok() && (candidate.tried.error.is_some() || !known)
-            })
-            .collect();
+        let is_scored =
+            |candidate: &&Candidate| candidate.sum.is_ok() && (candidate.error.is_some() || !known);
+        let mut order: Vec<&Candidate> = all.iter().filter(is_scored).collect();
         order.sort_by(|a, b| score(a).total_cmp(&score(b)));
         let within = |room: f64| order.iter().find(|candidate| self.deviation(candidate) <= room);
         if let Some(best) = within(ROOM).or_else(|| within(1.0)) {
@@ -261,34 +210,31 @@ impl Judge<'_> {
         let least = order.iter().min_by(|a, b| self.deviation(a).total_cmp(&self.deviation(b)));
         Err(match (least.map(|least| (&least.sum, self.deviation(least))), self.probe) {
             (Some((Ok(sum), least)), Some(probe)) => {
-                probe.refusal(probe.limit() * least, sum.kernel, |x| sum.evaluate(x)).into()
+                probe.refusal(probe.limit * least, sum.kernel, |x| sum.evaluate(x))
             }
             _ => self.best_conditioned(all),
         })
     }
 
-    /// Returns the refusal of the best-conditioned candidate, if no candidate was fitted.
-    fn best_conditioned(&self, all: &[Candidate]) -> Refusal {
-        let rcond = |candidate: &&Candidate| match &candidate.sum {
-            Err(Some(reason)) => reason.rcond,
+    /// Returns the error of the best-conditioned candidate, if no candidate was fitted.
+    fn best_conditioned(&self, all: &[Candidate]) -> Error {
+        let reason = |candidate: &Candidate| candidate.sum.as_ref().err().and_then(Refusal::of);
+        let rcond = |candidate: &&Candidate| match reason(candidate) {
+            Some(Refusal::IllConditioned { rcond, .. }) => rcond,
             _ => 0.0,
         };
         let refused = all.iter().filter(|candidate| candidate.sum.is_err());
-        let best = refused.max_by(|a, b| rcond(a).total_cmp(&rcond(b)));
-        if let Some(Candidate { sum: Err(Some(reason)), .. }) = best {
-            return Refusal::IllConditioned(*reason);
-        }
-        let out_of_range = best.and_then(|candidate| {
-            let Tried { epsilon, smoothing, .. } = candidate.tried;
-            Options { epsilon, smoothing, ..*self.options }.check().err()
-        });
-        Refusal::Other(out_of_range.unwrap_or_else(no_choice))
+        let Some(best) = refused.max_by(|a, b| rcond(a).total_cmp(&rcond(b))) else {
+            return no_choice();
+        };
+        let out_of_range = || best.options.check().err().unwrap_or_else(no_choice);
+        reason(best).map_or_else(out_of_range, Error::from)
     }
 
     /// Returns the deviation of a candidate's file, over the limit; 0 without a probe.
     fn deviation(&self, candidate: &Candidate) -> f64 {
         *candidate.deviation.get_or_init(|| match (self.probe, &candidate.sum) {
-            (Some(probe), Ok(sum)) => probe.deviation(sum, |x| sum.evaluate(x)) / probe.limit(),
+            (Some(probe), Ok(sum)) => probe.deviation(sum, |x| sum.evaluate(x)) / probe.limit,
             _ => 0.0,
         })
     }

@@ -7,10 +7,9 @@
 //! reproduce the polynomials at a query, H = Bᵀ(K + Λ)B, and let A whiten `g - (K + Λ)B p`. Then the same variance is
 //! `G(0) - 2 g·(B p) + p·(H p) - |A [g; p]|²`.
 
+use super::matrix::some_rows;
 use super::system::Solved;
-use crate::regression::function::Exact;
 use crate::regression::outputs::LeftOut;
-use crate::scattered::sum::KernelSum;
 use faer::Mat;
 
 /// Least share of a sample that the other samples must leave undetermined; below it they determine no fit.
@@ -62,8 +61,7 @@ impl LeaveOneOut {
     /// Returns the errors of a group of samples, a row each: values less predictions of the fit without the group.
     /// `None` if the other samples do not determine a fit.
     pub fn errors(&self, group: &[usize]) -> Option<Mat<f64>> {
-        let rows = |m: &Mat<f64>| Mat::from_fn(group.len(), m.ncols(), |i, c| m[(group[i], c)]);
-        let span = rows(&self.span);
+        let span = some_rows(&self.span, group);
         let free = Mat::<f64>::identity(group.len(), group.len()) - &span * span.transpose();
         let factor = free.llt(faer::Side::Lower).ok()?;
         if factor.L().diagonal().column_vector().iter().any(|l| l * l < DETERMINED) {
@@ -71,7 +69,7 @@ impl LeaveOneOut {
         }
         let own =
             Mat::from_fn(group.len(), group.len(), |i, k| self.remainder[(group[i], group[k])]);
-        Some(LeftOut::new(&own)?.errors(&rows(&self.residuals)))
+        Some(LeftOut::new(&own)?.errors(&some_rows(&self.residuals, group)))
     }
 
     /// Returns the error of each sample that the others predict: RMS over its values.
@@ -135,18 +133,5 @@ impl Variance {
             reproducing,
             deviations: (0..values.ncols()).map(deviation).collect(),
         })
-    }
-
-    /// Computes the variance of each value of a function at a query, m: at least 0.
-    pub fn at(&self, sum: &KernelSum, x: &[f64]) -> Vec<f64> {
-        let (g, p) = sum.basis(x);
-        let column = |of: &[f64]| Mat::from_fn(of.len(), 1, |i, _| of[i]);
-        let (g, p) = (column(&g), column(&p));
-        let weights = &self.reproducing * &p;
-        let explained = &self.whitening * faer::concat![[&g], [&p]];
-        let linear = (g.transpose() * weights)[(0, 0)];
-        let square = (p.transpose() * &self.polynomial * &p)[(0, 0)];
-        let unit = sum.kernel.exact(0.0) - 2.0 * linear + square - explained.squared_norm_l2();
-        self.deviations.iter().map(|deviation| deviation * deviation * unit.max(0.0)).collect()
     }
 }

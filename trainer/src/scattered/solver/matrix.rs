@@ -32,6 +32,11 @@ pub fn gram(kernel: Kernel, points: &Mat<f64>) -> Mat<f64> {
     out
 }
 
+/// Collects some rows of a matrix.
+pub fn some_rows(matrix: &Mat<f64>, rows: &[usize]) -> Mat<f64> {
+    Mat::from_fn(rows.len(), matrix.ncols(), |i, c| matrix[(rows[i], c)])
+}
+
 /// Copies the lower triangle to the upper, in blocks that fit the cache.
 fn mirror(matrix: &mut Mat<f64>) {
     const BLOCK: usize = 64;
@@ -96,22 +101,20 @@ pub fn greedy(
         0 => Vec::new(),
         _ => polynomials.transpose().to_owned().col_piv_qr().P().arrays().0[..r].to_vec(),
     };
-    let rows = |m: &Mat<f64>, of: &[usize]| Mat::from_fn(of.len(), m.ncols(), |i, c| m[(of[i], c)]);
     // Polynomials that are 1 at one of the first samples and 0 at the others, n x r.
     let lagrange = match r {
         0 => Mat::zeros(n, 0),
         _ => {
-            let at_first = rows(polynomials, &first).transpose().to_owned();
+            let at_first = some_rows(polynomials, &first).transpose().to_owned();
             at_first.partial_piv_lu().solve(polynomials.transpose()).transpose().to_owned()
         }
     };
-    let near = rows(points, &first);
-    let from_first = matrix(kernel, points, &near);
-    let less = &from_first - &lagrange * rows(&from_first, &first);
+    let from_first = matrix(kernel, points, &some_rows(points, &first));
+    let less = &from_first - &lagrange * some_rows(&from_first, &first);
     let column = |pivot: usize| {
-        let at = matrix(kernel, points, &rows(points, &[pivot]));
-        let own = rows(&lagrange, &[pivot]).transpose().to_owned();
-        at - &lagrange * rows(&from_first, &[pivot]).transpose() - &less * own
+        let at = matrix(kernel, points, &some_rows(points, &[pivot]));
+        let own = some_rows(&lagrange, &[pivot]).transpose().to_owned();
+        at - &lagrange * some_rows(&from_first, &[pivot]).transpose() - &less * own
     };
     let mut left: Vec<f64> = (0..n)
         .map(|i| {

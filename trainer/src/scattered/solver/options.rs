@@ -1,6 +1,5 @@
 //! Options of a fit.
 
-use super::polynomial::RANK_F64;
 use crate::Error;
 use crate::regression::function::order;
 use sinew_runtime::kernel::Kernel;
@@ -19,9 +18,6 @@ pub struct Options {
     /// Largest number of centres, for least squares. `None`, or the number of samples or more, makes every sample a
     /// centre.
     pub centres: Option<usize>,
-    /// Share of a column below which a polynomial is rounding: [`RANK_F64`], or [`super::polynomial::RANK_F32`] for
-    /// sites that were f32.
-    pub rank: f64,
 }
 
 impl Options {
@@ -29,7 +25,7 @@ impl Options {
     /// but at least a constant.
     pub fn new(kernel: Kernel) -> Self {
         let degree = Some(order(kernel).unwrap_or(0).saturating_sub(1));
-        Self { kernel, epsilon: 1.0, smoothing: 0.0, degree, centres: None, rank: RANK_F64 }
+        Self { kernel, epsilon: 1.0, smoothing: 0.0, degree, centres: None }
     }
 
     /// Checks that a fit with these options is possible.

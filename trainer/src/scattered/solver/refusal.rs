@@ -1,89 +1,88 @@
 //! Reasons why there is no fit, for code that tries another one.
 
 use crate::Error;
-use crate::scattered::deviation::{Deviation, DeviationCause};
+use crate::regression::function::is_scale_invariant;
+use crate::scattered::deviation::too_far;
+use sinew_runtime::kernel::Kernel;
 use std::fmt::{Display, Formatter};
 
-/// Rounding errors would determine the function.
+/// Reason for a refusal that another width or another kernel may not have: the cause of an [`Error`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct IllConditioned {
-    /// Reciprocal condition of the system.
-    pub(crate) rcond: f64,
-    /// Largest residual of the equations, over the range of the values; 0 for least squares.
-    pub(crate) missed: f64,
-}
-
-/// Reason why there is no fit.
-#[derive(Debug)]
 pub(crate) enum Refusal {
     /// Rounding errors would determine the function.
-    IllConditioned(IllConditioned),
-    /// The deviation of the file from the function is too large.
-    Deviation(Deviation),
-    /// Another reason.
-    Other(Error),
+    IllConditioned {
+        /// Reciprocal condition of the system.
+        rcond: f64,
+        /// Largest residual of the equations, over the range of the values; 0 for least squares.
+        missed: f64,
+    },
+    /// The file deviates too far from the function, because the kernels are too wide or too smooth.
+    Deviation {
+        /// Largest measured deviation, over the range.
+        deviation: f64,
+        /// Largest allowed deviation.
+        limit: f64,
+        /// Kernel of the fit.
+        kernel: Kernel,
+    },
 }
 
 impl Refusal {
-    /// Returns true if another width or another kernel may fit.
-    pub(crate) fn is_caused_by_kernel(&self) -> bool {
+    /// Returns the reason for an error; `None` if another width or another kernel does not help.
+    pub(crate) fn of(error: &Error) -> Option<Self> {
+        error.cause()?.downcast_ref().copied()
+    }
+
+    /// Makes the error, with advice.
+    ///
+    /// - `near`: two samples that are much nearer than others.
+    /// - `other`: options that fit.
+    pub(crate) fn advised(self, near: Option<String>, other: Option<String>) -> Error {
         match self {
-            Self::IllConditioned(_) => true,
-            Self::Deviation(deviation) => matches!(deviation.cause, DeviationCause::Kernel { .. }),
-            Self::Other(_) => false,
+            Self::IllConditioned { rcond, missed } => {
+                let samples = match missed > 0.0 {
+                    true if missed.is_finite() => {
+                        format!(", samples missed by {missed:.1e} of their range")
+                    }
+                    true => ", numbers beyond f64".to_owned(),
+                    false => String::new(),
+                };
+                let rcond = described(rcond);
+                let near = near.map(|near| format!("; {near}: take one of them away"));
+                let other = other.map(|other| format!("; {other} fits"));
+                let advice = near.unwrap_or_default() + &other.unwrap_or_default();
+                Error::fit(format!(
+                    "the fit is ill-conditioned ({rcond}{samples}): smooth more, take a narrower kernel or fewer \
+                     centres{advice}"
+                ))
+            }
+            Self::Deviation { deviation, limit, kernel } => {
+                let other =
+                    other.map_or(String::new(), |other| format!("{other}, which fits, or "));
+                let narrower = match is_scale_invariant(kernel) {
+                    true => "",
+                    false => "a narrower kernel (a larger epsilon, a shorter length) or ",
+                };
+                let remedy = format!(
+                    "take {other}{narrower}a rougher kernel, smooth more, take fewer centres"
+                );
+                too_far(deviation, limit, remedy)
+            }
         }
     }
 }
 
-impl Display for IllConditioned {
+impl Display for Refusal {
     fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
-        let Self { rcond, missed } = *self;
-        let samples = match missed > 0.0 {
-            true if missed.is_finite() => {
-                format!(", samples missed by {missed:.1e} of their range")
-            }
-            true => ", numbers beyond f64".to_owned(),
-            false => String::new(),
-        };
-        let rcond = described(rcond);
-        write!(
-            to,
-            "the fit is ill-conditioned ({rcond}{samples}): smooth more, take a narrower kernel or fewer centres"
-        )
+        self.advised(None, None).fmt(to)
     }
 }
 
-impl From<IllConditioned> for Error {
-    fn from(reason: IllConditioned) -> Self {
-        Self::fit(reason.to_string())
-    }
-}
-
-impl From<IllConditioned> for Refusal {
-    fn from(reason: IllConditioned) -> Self {
-        Self::IllConditioned(reason)
-    }
-}
-
-impl From<Deviation> for Refusal {
-    fn from(reason: Deviation) -> Self {
-        Self::Deviation(reason)
-    }
-}
-
-impl From<Error> for Refusal {
-    fn from(reason: Error) -> Self {
-        Self::Other(reason)
-    }
-}
+impl std::error::Error for Refusal {}
 
 impl From<Refusal> for Error {
     fn from(reason: Refusal) -> Self {
-        match reason {
-            Refusal::IllConditioned(reason) => reason.into(),
-            Refusal::Deviation(reason) => reason.into(),
-            Refusal::Other(error) => error,
-        }
+        reason.advised(None, None).caused_by(reason)
     }
 }
 

@@ -1,13 +1,10 @@
 //! Report of a fit.
 
-use super::fit::{AnyFit, FewerFit, Fit};
-use super::leave_one_out::LeaveOneOut;
+use super::fit::Fit;
 use super::options::Options;
 use super::samples::{Merged, Samples};
 use crate::regression::function::by_name;
 use crate::scattered::bound::{largest, rounded};
-use crate::scattered::sum::KernelSum;
-use faer::Mat;
 use serde::Serialize;
 use sinew_runtime::kernel::Kernel;
 
@@ -58,52 +55,13 @@ pub struct FitReport {
 }
 
 impl FitReport {
-    /// Reports a fit of either kind.
-    pub fn of_any(samples: &Samples, options: &Options, fit: &AnyFit) -> Self {
-        match fit {
-            AnyFit::Every(fit) => Self::new(samples, options, fit),
-            AnyFit::Fewer(fit) => Self::of_fewer(samples, options, fit),
-        }
-    }
-
-    /// Reports a fit with every sample a centre.
+    /// Reports a fit.
     pub fn new(samples: &Samples, options: &Options, fit: &Fit) -> Self {
-        let solved = &fit.solved;
-        Self::of(
-            samples,
-            options,
-            Parts {
-                sum: &fit.sum,
-                residuals: &solved.residuals,
-                left_out: &fit.leave_one_out(),
-                degree: solved.polynomial.degree,
-                rank: solved.polynomial.rank(),
-                rcond: solved.system.rcond(),
-            },
-        )
-    }
-
-    /// Reports a fit of fewer centres.
-    pub fn of_fewer(samples: &Samples, options: &Options, fit: &FewerFit) -> Self {
-        Self::of(
-            samples,
-            options,
-            Parts {
-                sum: &fit.sum,
-                residuals: &fit.residuals,
-                left_out: &fit.leave_one_out(),
-                degree: fit.degree,
-                rank: fit.rank,
-                rcond: fit.rcond,
-            },
-        )
-    }
-
-    fn of(samples: &Samples, options: &Options, parts: Parts<'_>) -> Self {
-        let Parts { sum, residuals, left_out, degree, rank, rcond } = parts;
+        let Fit { sum, residuals, .. } = fit;
+        let left_out = fit.leave_one_out();
         let each = left_out.each();
         let squares: Option<Vec<f64>> = each.iter().map(|e| Some((*e)?.powi(2))).collect();
-        let bounds = largest(&rounded(sum), &samples.sites);
+        let numbers = (residuals.nrows() * residuals.ncols()) as f64;
         Self {
             samples: samples.sample_len(),
             inputs: samples.sites.ncols(),
@@ -115,30 +73,16 @@ impl FitReport {
             smoothing: options.smoothing + samples.smoothing.iter().copied().fold(0.0, f64::max),
             centres: sum.centres.ncols(),
             degree_asked: options.degree,
-            degree,
+            degree: fit.degree,
             terms: sum.terms.len(),
-            rank,
-            rcond,
+            rank: fit.rank,
+            rcond: fit.rcond,
             freedom: left_out.freedom,
-            residual_rms: rms(residuals),
+            residual_rms: (residuals.squared_norm_l2() / numbers).sqrt(),
             residual_max: residuals.norm_max(),
             left_out_rms: squares.map(|s| (s.iter().sum::<f64>() / s.len() as f64).sqrt()),
             left_out: each,
-            bounds,
+            bounds: largest(&rounded(sum), &samples.sites),
         }
     }
-}
-
-/// Common results of all fits.
-struct Parts<'a> {
-    sum: &'a KernelSum,
-    residuals: &'a Mat<f64>,
-    left_out: &'a LeaveOneOut,
-    degree: Option<usize>,
-    rank: usize,
-    rcond: f64,
-}
-
-fn rms(of: &Mat<f64>) -> f64 {
-    (of.squared_norm_l2() / (of.nrows() * of.ncols()) as f64).sqrt()
 }

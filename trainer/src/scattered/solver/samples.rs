@@ -1,6 +1,6 @@
 //! Samples of a function: checked sites and values, without repetitions (METHOD §2.5).
 
-use super::matrix::distances;
+use super::matrix::{distances, some_rows};
 use super::scaling::{Block, Scaling};
 use crate::Error;
 use crate::numeric::columns::ends;
@@ -17,10 +17,9 @@ pub const OFFSET: f64 = 1e-4;
 const CONSTANT: f64 = 1e-14;
 
 /// Treatment of samples with the same site and different values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conflicts {
     /// Returns an error.
-    #[default]
     Refuse,
     /// Averages the values.
     Average,
@@ -104,7 +103,7 @@ impl Samples {
             group.iter().map(|&row| values[(row, o)]).sum::<f64>() / group.len() as f64
         };
         Ok(Self {
-            sites: Mat::from_fn(rows.len(), sites.ncols(), |i, c| sites[(rows[i], c)]),
+            sites: some_rows(sites, &rows),
             values: Mat::from_fn(rows.len(), values.ncols(), mean),
             scaling,
             smoothing: vec![0.0; rows.len()],

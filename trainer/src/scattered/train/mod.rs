@@ -10,7 +10,8 @@ use crate::Error;
 use crate::numeric::columns::ends;
 use crate::regression::confidence::Fade;
 use crate::regression::rotations;
-use crate::scattered::deviation::{Deviation, DeviationCause, Probe};
+use crate::scattered::deviation::{F32_ERROR, Probe};
+use crate::scattered::matrix;
 use crate::scattered::model::{KernelModel, Output, OutputKind, features};
 use crate::scattered::problem::{Mode, Problem, ProblemOptions};
 use crate::scattered::solver::choose::Spacing;
@@ -38,9 +39,9 @@ const NEAR: f64 = 0.1;
 /// the limit in the options.
 pub fn train(problem: &Problem, variance: bool) -> Result<Trained, Error> {
     let mut outputs = problem.outputs.clone();
-    let Matrices { features, values } = Matrices::new(problem, &mut outputs)?;
+    let (features, values) = matrices(problem, &mut outputs)?;
     let options = &problem.options;
-    let limit = options.f32_error;
+    let limit = options.f32_error.unwrap_or(F32_ERROR);
     if !(limit > 0.0 && limit.is_finite()) {
         return Err(Error::value(format!(
             "the f32 error is {limit}, expected a finite number above 0: a share of the values' range"
@@ -51,7 +52,7 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, Error> {
     let probe = Probe::new(&problem.inputs, &problem.sites, ranges(&values), limit)
         .map_err(|error| error.within(problem.place(0, "sites")))?;
     let of = Data { problem, features: &features, values: &values, probe: &probe };
-    let (fitted, deviation) = of.fitted(variance).map_err(|refusal| of.advised(refusal))?;
+    let (fitted, deviation) = of.fitted(variance).map_err(|error| of.advised(error))?;
     let Fitted { sum, variance: kept, figures, report, is_narrow, mut warnings } = fitted;
     if variance && kept.is_none() {
         return Err(Error::unsupported(
@@ -74,18 +75,16 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, Error> {
     }
     let marked = |kind: &OutputKind| matches!(kind, OutputKind::Scalar { normalised: true, .. });
     let any = outputs.iter().any(|output| marked(&output.kind));
+    let default = if any { Normalise::Always } else { Normalise::Never };
+    let query = options.outside.unwrap_or(QueryRule::Free);
     let model = KernelModel {
         name: problem.name.clone(),
         inputs: problem.inputs.clone(),
-        fade: fade(&sum, &features, options.outside)?,
+        fade: fade(&sum, &features, query)?,
         sum,
         ranges: features.col_iter().map(|column| ends(column.iter())).collect(),
-        query: options.outside,
-        normalise: options.normalise.unwrap_or(if any {
-            Normalise::Always
-        } else {
-            Normalise::Never
-        }),
+        query,
+        normalise: options.normalise.unwrap_or(default),
         outputs,
         variance: kept,
         fit: figures,
@@ -103,36 +102,23 @@ struct Data<'a> {
 
 impl Data<'_> {
     /// Fits the problem, and measures the deviation of its file.
-    fn fitted(&self, variance: bool) -> Result<(Fitted, f64), Refusal> {
-        let Self { problem, features, values, probe } = self;
-        let fitted = match (problem.options.mode, &problem.options.learn) {
-            (Mode::Sinew, None) => solved::fit(problem, features, values, probe, variance)?,
-            (Mode::Sinew, Some(learn)) => modes::learned(problem, learn, features, values)?,
-            (Mode::Scipy, _) => modes::scipy(problem, features, values)?,
-            (Mode::Published, _) => modes::published(problem, features, values)?,
+    fn fitted(&self, variance: bool) -> Result<(Fitted, f64), Error> {
+        let options = &self.problem.options;
+        let fitted = match (options.mode, &options.learn) {
+            (Mode::Sinew, None) => solved::fit(self, variance)?,
+            (Mode::Sinew, Some(learn)) => modes::learned(self, learn)?,
+            (Mode::Scipy, _) => modes::scipy(self)?,
+            (Mode::Published, _) => modes::published(self)?,
         };
-        let deviation = probe.within_limit(&fitted.sum, |x| fitted.sum.evaluate(x))?;
+        let deviation = self.probe.check(&fitted.sum, |x| fitted.sum.evaluate(x))?;
         Ok((fitted, deviation))
     }
 
-    /// Makes an error with advice: options that fit, and samples that are too near.
-    fn advised(&self, refusal: Refusal) -> Error {
-        match refusal {
-            Refusal::Deviation(Deviation {
-                deviation,
-                limit,
-                cause: DeviationCause::Kernel { kernel, .. },
-            }) => {
-                let cause = DeviationCause::Kernel { kernel, other: self.other() };
-                Deviation { deviation, limit, cause }.into()
-            }
-            Refusal::IllConditioned(reason) => {
-                let near = self.near().map(|near| format!("; {near}: take one of them away"));
-                let other = self.other().map(|other| format!("; {other} fits"));
-                let advice = near.unwrap_or_default() + &other.unwrap_or_default();
-                Error::fit(format!("{reason}{advice}"))
-            }
-            refusal => refusal.into(),
+    /// Adds advice to an error: options that fit, and samples that are too near.
+    fn advised(&self, error: Error) -> Error {
+        match Refusal::of(&error) {
+            Some(refusal) => refusal.advised(self.near(), self.other()),
+            None => error,
         }
     }
 
@@ -166,7 +152,7 @@ impl Data<'_> {
 
     /// Names the two nearest samples, if they are much nearer than others.
     fn near(&self) -> Option<String> {
-        let samples = solved::samples(self.problem, self.features, self.values).ok()?;
+        let samples = solved::samples(self).ok()?;
         let Spacing { mean, least, nearest } = Spacing::new(&samples);
         let [first, second] = nearest.map(|sample| samples.rows[sample]);
         let rows = self.problem.rows(first, second);
@@ -204,65 +190,52 @@ fn fade(sum: &KernelSum, features: &Mat<f64>, outside: QueryRule) -> Result<Fade
     Ok(Fade::beyond(if farthest > 0.0 { ROOM * farthest } else { 1.0 }))
 }
 
-/// Samples as matrices.
-struct Matrices {
-    /// Features of the sites, n x d.
-    features: Mat<f64>,
-    /// Values of the function, n x m.
-    values: Mat<f64>,
-}
-
-impl Matrices {
-    /// Converts the rows of a problem, and sets the neutral values of `outputs` from the neutral sample.
-    ///
-    /// # Errors
-    /// If a site or value is unusable, or the neutral sample does not exist.
-    fn new(problem: &Problem, outputs: &mut [Output]) -> Result<Self, Error> {
-        let site = |(row, site): (usize, &Vec<f64>)| {
-            features(&problem.inputs, site)
-                .map_err(|error| error.within(problem.place(row, "sites")))
-        };
-        let sites = problem.sites.iter().enumerate().map(site).collect::<Result<Vec<_>, _>>()?;
-        let (row, samples) = (problem.options.neutral, problem.values.len());
-        let neutral = problem.values.get(row).ok_or_else(|| {
-            Error::missing(format!("the neutral sample is row {row}, of {samples}"))
-        })?;
-        let unusable = |error: Error, row: usize, output: &str| {
-            let place = problem.place(row, "values");
-            error.within(format_args!("{place}, output \"{output}\""))
-        };
-        let mut rest = neutral.as_slice();
-        for Output { kind, name } in outputs.iter_mut() {
+/// Converts the rows of a problem into features of the sites (n x d) and values of the function (n x m), and sets the
+/// neutral values of `outputs` from the neutral sample.
+///
+/// # Errors
+/// If a site or value is unusable, or the neutral sample does not exist.
+fn matrices(problem: &Problem, outputs: &mut [Output]) -> Result<(Mat<f64>, Mat<f64>), Error> {
+    let site = |(row, site): (usize, &Vec<f64>)| {
+        features(&problem.inputs, site).map_err(|error| error.within(problem.place(row, "sites")))
+    };
+    let sites = problem.sites.iter().enumerate().map(site).collect::<Result<Vec<_>, _>>()?;
+    let (row, samples) = (problem.options.neutral, problem.values.len());
+    let neutral = problem
+        .values
+        .get(row)
+        .ok_or_else(|| Error::missing(format!("the neutral sample is row {row}, of {samples}")))?;
+    let unusable = |error: Error, row: usize, output: &str| {
+        let place = problem.place(row, "values");
+        error.within(format_args!("{place}, output \"{output}\""))
+    };
+    let mut rest = neutral.as_slice();
+    for Output { kind, name } in outputs.iter_mut() {
+        let own;
+        (own, rest) = rest.split_at(kind.number_len());
+        match (kind, own) {
+            (OutputKind::Scalar { neutral, .. }, &[x]) => *neutral = x,
+            (OutputKind::Vector3 { neutral }, &[x, y, z]) => *neutral = [x, y, z],
+            (OutputKind::Rotation { neutral }, &[x, y, z, w]) => {
+                let length = (x * x + y * y + z * z + w * w).sqrt();
+                // The loop below reports other quaternions that are no rotation.
+                *neutral = [x, y, z, w].map(|part| part / length);
+                if !length.is_normal() {
+                    return Err(unusable(rotations::zero(), row, name));
+                }
+            }
+            _ => {}
+        }
+    }
+    let mut values = Vec::with_capacity(samples);
+    for (row, numbers) in problem.values.iter().enumerate() {
+        let (mut rest, mut out) = (numbers.as_slice(), Vec::new());
+        for Output { kind, name } in outputs.iter() {
             let own;
             (own, rest) = rest.split_at(kind.number_len());
-            match (kind, own) {
-                (OutputKind::Scalar { neutral, .. }, &[x]) => *neutral = x,
-                (OutputKind::Vector3 { neutral }, &[x, y, z]) => *neutral = [x, y, z],
-                (OutputKind::Rotation { neutral }, &[x, y, z, w]) => {
-                    let length = (x * x + y * y + z * z + w * w).sqrt();
-                    // The loop below reports other quaternions that are no rotation.
-                    *neutral = [x, y, z, w].map(|part| part / length);
-                    if !length.is_normal() {
-                        return Err(unusable(rotations::zero(), row, name));
-                    }
-                }
-                _ => {}
-            }
+            out.extend(kind.to_values(own).map_err(|error| unusable(error, row, name))?);
         }
-        let mut values = Vec::with_capacity(samples);
-        for (row, numbers) in problem.values.iter().enumerate() {
-            let (mut rest, mut out) = (numbers.as_slice(), Vec::new());
-            for Output { kind, name } in outputs.iter() {
-                let own;
-                (own, rest) = rest.split_at(kind.number_len());
-                out.extend(kind.to_values(own).map_err(|error| unusable(error, row, name))?);
-            }
-            values.push(out);
-        }
-        Ok(Self { features: matrix(&sites), values: matrix(&values) })
+        values.push(out);
     }
-}
-
-fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
-    Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, c| rows[i][c])
+    Ok((matrix(&sites), matrix(&values)))
 }

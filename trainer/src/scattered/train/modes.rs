@@ -1,15 +1,16 @@
 //! Fits by the rules of other solvers, and fits with learned centres and metric.
 
+use super::Data;
 use super::report::{Fitted, LearnReport, Report};
 use super::solved::{degree_of, kernel, neighbours, samples};
 use crate::Error;
 use crate::regression::function::order;
 use crate::scattered::bound::{largest, rounded};
 use crate::scattered::compat::published::{Published, PublishedKernel, PublishedOptions};
-use crate::scattered::compat::scipy::{RbfInterpolator, ScipyOptions, Smoothing as ScipySmoothing};
+use crate::scattered::compat::scipy::{RbfInterpolator, ScipyOptions};
 use crate::scattered::hyper::{Entries, Metric, Options, Start, Trace, learn};
 use crate::scattered::model::Figures;
-use crate::scattered::problem::{Learn, LearnMetric, Problem, Smoothing};
+use crate::scattered::problem::{Learn, Smoothing};
 use crate::scattered::sum::{KernelSum, monomials};
 use faer::Mat;
 use sinew_runtime::kernel::Kernel;
@@ -17,43 +18,25 @@ use sinew_runtime::kernel::Kernel;
 /// Condition above which S2's solver has a warning: its normal equations square the condition.
 const CONDITION: f64 = 1e5;
 
-pub(super) fn scipy(
-    problem: &Problem,
-    features: &Mat<f64>,
-    values: &Mat<f64>,
-) -> Result<Fitted, Error> {
-    let own = &problem.options;
+pub(super) fn scipy(of: &Data<'_>) -> Result<Fitted, Error> {
+    let own = &of.problem.options;
     if own.neighbors.is_some() {
         return Err(neighbours());
     }
-    let default = ScipyOptions::default();
-    let smoothing = match &own.smoothing {
-        Some(Smoothing::Given(smoothing)) => ScipySmoothing::All(*smoothing),
-        Some(Smoothing::Each(all)) => ScipySmoothing::Each(all.clone()),
-        Some(Smoothing::Chosen) => {
-            return Err(Error::unsupported("SciPy chooses no smoothing: give a number"));
-        }
-        None => default.smoothing,
-    };
     let options = ScipyOptions {
-        kernel: own.kernel.clone().unwrap_or(default.kernel),
+        kernel: own.kernel.clone(),
         epsilon: own.epsilon,
-        smoothing,
+        smoothing: own.smoothing.clone(),
         degree: own.degree,
         neighbors: None,
     };
-    let fit = RbfInterpolator::new(features, values, &options)?;
-    let warnings = fit.warnings.iter().map(ToString::to_string).collect();
-    let (sum, rcond) = fit.whole().ok_or_else(neighbours)?;
-    Ok(fitted(sum.clone(), *rcond, features, values, warnings))
+    let fit = RbfInterpolator::new(of.features, of.values, &options)?;
+    let (sum, rcond) = fit.whole.ok_or_else(neighbours)?;
+    Ok(fitted(of, sum, rcond, fit.warnings))
 }
 
-pub(super) fn published(
-    problem: &Problem,
-    features: &Mat<f64>,
-    values: &Mat<f64>,
-) -> Result<Fitted, Error> {
-    let own = &problem.options;
+pub(super) fn published(of: &Data<'_>) -> Result<Fitted, Error> {
+    let own = &of.problem.options;
     let name = own.kernel.as_deref().unwrap_or("linear");
     let kernel = match kernel(name, 3)? {
         Kernel::Linear => PublishedKernel::Linear,
@@ -88,7 +71,7 @@ pub(super) fn published(
         normalise_features: own.normalise_features,
         normalise_distances: kernel != PublishedKernel::Linear,
     };
-    let fit = Published::new(features, values, &options)?;
+    let fit = Published::new(of.features, of.values, &options)?;
     let mut warnings = Vec::new();
     if fit.condition.is_nan() || fit.condition > CONDITION {
         warnings.push(format!(
@@ -96,50 +79,39 @@ pub(super) fn published(
             fit.condition
         ));
     }
-    Ok(fitted(fit.sum, 1.0 / fit.condition, features, values, warnings))
+    Ok(fitted(of, fit.sum, 1.0 / fit.condition, warnings))
 }
 
-fn fitted(
-    sum: KernelSum,
-    rcond: f64,
-    features: &Mat<f64>,
-    values: &Mat<f64>,
-    warnings: Vec<String>,
-) -> Fitted {
-    let residual_rms = residual_rms(&sum, features, values);
-    let bound = largest(&rounded(&sum), features).into_iter().fold(0.0, f64::max);
-    let figures = Figures { residual_rms, left_out_rms: 0.0, bound, rcond };
-    let report = Report::Mode { rcond, residual_rms };
+fn fitted(of: &Data<'_>, sum: KernelSum, rcond: f64, warnings: Vec<String>) -> Fitted {
+    let figures = figures(&sum, of.features, of.values, rcond);
+    let report = Report::Mode { rcond, residual_rms: figures.residual_rms };
     Fitted { sum, variance: None, figures, report, is_narrow: false, warnings }
 }
 
-/// Measures the RMS residual of values at their sites.
-fn residual_rms(sum: &KernelSum, features: &Mat<f64>, values: &Mat<f64>) -> f64 {
+/// Measures a function of values at their sites.
+fn figures(sum: &KernelSum, sites: &Mat<f64>, values: &Mat<f64>, rcond: f64) -> Figures {
     let mut squares = 0.0;
-    for (site, own) in features.row_iter().zip(values.row_iter()) {
+    for (site, own) in sites.row_iter().zip(values.row_iter()) {
         let found = sum.evaluate(&site.iter().copied().collect::<Vec<_>>());
         squares += own.iter().zip(&found).map(|(y, f)| (y - f) * (y - f)).sum::<f64>();
     }
-    (squares / (values.nrows() * values.ncols()) as f64).sqrt()
+    let residual_rms = (squares / (values.nrows() * values.ncols()) as f64).sqrt();
+    let bound = largest(&rounded(sum), sites).into_iter().fold(0.0, f64::max);
+    Figures { residual_rms, left_out_rms: 0.0, bound, rcond }
 }
 
 /// Default number of learned centres, if there are enough samples.
 const CENTRES: usize = 12;
 
-pub(super) fn learned(
-    problem: &Problem,
-    asked: &Learn,
-    features: &Mat<f64>,
-    values: &Mat<f64>,
-) -> Result<Fitted, Error> {
-    let own = &problem.options;
+pub(super) fn learned(of: &Data<'_>, asked: &Learn) -> Result<Fitted, Error> {
+    let own = &of.problem.options;
     if own.neighbors.is_some() || own.centres.is_some() || own.smoothing.is_some() {
         return Err(Error::unsupported(
             "learned centres have their own `centres` and `ridge`, in `learn`",
         ));
     }
-    let samples = samples(problem, features, values)?;
-    let d = features.ncols();
+    let samples = samples(of)?;
+    let d = of.features.ncols();
     let kernel = kernel(own.kernel.as_deref().unwrap_or("gaussian"), samples.scaling.kept().len())?;
     let degree = match own.degree {
         Some(degree) => degree_of(degree)?,
@@ -151,12 +123,7 @@ pub(super) fn learned(
     let epsilon =
         own.epsilon.unwrap_or_else(|| spacing_factor(centres, samples.scaling.kept().len()));
     let rows = asked.rank.unwrap_or(d).clamp(1, d);
-    let learned = match asked.metric {
-        _ if rows < d => Entries::All,
-        LearnMetric::Fixed => Entries::None,
-        LearnMetric::Diagonal => Entries::Diagonal,
-        LearnMetric::Full => Entries::All,
-    };
+    let learned = if rows < d { Entries::All } else { asked.metric };
     let options = Options {
         kernel,
         centres,
@@ -171,8 +138,7 @@ pub(super) fn learned(
     let (sites, values) = (&samples.sites, &samples.values);
     let scaling = &samples.scaling;
     let found = learn(sites.as_ref(), values.as_ref(), &scaling.shift, &scaling.scale, &options)?;
-    let residual_rms = residual_rms(&found.sum, sites, values);
-    let bound = largest(&rounded(&found.sum), sites).into_iter().fold(0.0, f64::max);
+    let figures = figures(&found.sum, sites, values, 0.0);
     let best = &found.traces[found.best];
     let relevance = match &found.sum.metric {
         Some(w) => w.col_iter().map(|column| column.norm_l2()).collect(),
@@ -183,14 +149,13 @@ pub(super) fn learned(
     };
     let report = LearnReport {
         energy: found.energy,
-        residual_rms,
+        residual_rms: figures.residual_rms,
         seed: best.seed,
         trace: best.steps.iter().filter(|step| step.accepted).map(|step| step.energy).collect(),
         energies: found.traces.iter().map(last).collect(),
         relevance,
-        bound,
+        bound: figures.bound,
     };
-    let figures = Figures { residual_rms, left_out_rms: 0.0, bound, rcond: 0.0 };
     let (sum, report) = (found.sum, Report::Learned(report));
     let warnings = Vec::new();
     Ok(Fitted { sum, variance: None, figures, report, is_narrow: false, warnings })

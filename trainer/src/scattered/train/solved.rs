@@ -1,20 +1,17 @@
 //! Fits by METHOD §2, with every sample a centre or with fewer centres.
 
+use super::Data;
 use super::report::{Fitted, Report};
 use crate::Error;
 use crate::regression::function::{is_scale_invariant, order};
-use crate::scattered::deviation::Probe;
 use crate::scattered::model::Figures;
 use crate::scattered::problem::{Problem, ProblemOptions, Smoothing};
 use crate::scattered::solver::choose::{Choice, Freedom};
-use crate::scattered::solver::fit::AnyFit;
-use crate::scattered::solver::leave_one_out::Variance;
+use crate::scattered::solver::fit::Fit;
 use crate::scattered::solver::options::{Options, wendland};
-use crate::scattered::solver::refusal::Refusal;
 use crate::scattered::solver::report::FitReport;
 use crate::scattered::solver::samples::{Conflicts, Samples, same_site};
 use crate::scattered::solver::scaling::Block;
-use faer::Mat;
 use sinew_runtime::kernel::Kernel;
 
 /// Returns the error of a function that no file can hold.
@@ -25,27 +22,18 @@ pub(super) fn neighbours() -> Error {
 }
 
 /// Fits a problem.
-///
-/// - `probe`: queries that measure the deviation of each tried width.
-pub(super) fn fit(
-    problem: &Problem,
-    features: &Mat<f64>,
-    values: &Mat<f64>,
-    probe: &Probe,
-    variance: bool,
-) -> Result<Fitted, Refusal> {
-    let own = &problem.options;
+pub(super) fn fit(of: &Data<'_>, variance: bool) -> Result<Fitted, Error> {
+    let own = &of.problem.options;
     if own.neighbors.is_some() {
-        return Err(neighbours().into());
+        return Err(neighbours());
     }
-    let mut samples = samples(problem, features, values)?;
+    let mut samples = samples(of)?;
     let asked = asked(own, samples.scaling.kept().len())?;
     if let Some(Smoothing::Each(all)) = &own.smoothing {
         if own.centres.is_some() {
-            let error = Error::unsupported(
+            return Err(Error::unsupported(
                 "a smoothing for each sample is for a fit with every sample a centre: leave out `centres`",
-            );
-            return Err(error.into());
+            ));
         }
         samples.smoothing = each(all, &samples)?;
     }
@@ -55,39 +43,29 @@ pub(super) fn fit(
     };
     let (options, is_narrow) = if freedom.epsilon || freedom.smoothing {
         let groups = groups(own, &samples)?;
-        let choice = Choice::or_refusal(&samples, &asked, freedom, &groups, Some(probe))?;
+        let choice = Choice::new(&samples, &asked, freedom, &groups, Some(of.probe))?;
         (choice.options, choice.is_narrow)
     } else {
         (asked, false)
     };
-    options.check()?;
-    let fit = AnyFit::checked(&samples, &options)?;
-    let report = FitReport::of_any(&samples, &options, &fit);
-    let kept = match &fit {
-        AnyFit::Every(fit) if variance => Variance::new(&fit.solved, &samples.values),
-        _ => None,
-    };
+    let fit = Fit::new(&samples, &options)?;
+    let report = FitReport::new(&samples, &options, &fit);
+    let kept = variance.then(|| fit.variance(&samples.values)).flatten();
     let figures = Figures {
         residual_rms: report.residual_rms,
         left_out_rms: report.left_out_rms.unwrap_or(0.0),
         bound: report.bounds.iter().copied().fold(0.0, f64::max),
         rcond: report.rcond,
     };
-    let warnings = warnings(problem, &report);
-    let (sum, report) = (fit.sum().clone(), Report::Fit(Box::new(report)));
-    Ok(Fitted { sum, variance: kept, figures, report, is_narrow, warnings })
+    let warnings = warnings(of.problem, &report);
+    let report = Report::Fit(Box::new(report));
+    Ok(Fitted { sum: fit.sum, variance: kept, figures, report, is_narrow, warnings })
 }
 
 /// Returns the smoothing of each sample from the smoothings of the rows. A sample of several rows has the smoothing of
 /// the first row.
 fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, Error> {
-    let rows = samples.sample_len() + samples.merged.len();
-    if all.len() != rows {
-        let found = all.len();
-        return Err(Error::mismatch(format!(
-            "expected a smoothing for each of {rows} samples, found {found}"
-        )));
-    }
+    check_rows(samples, "smoothing", all.len())?;
     match all.iter().position(|lambda| !(*lambda >= 0.0 && lambda.is_finite())) {
         Some(row) => Err(Error::value(format!(
             "the smoothing of row {row} is {}, expected a finite number that is not negative",
@@ -97,12 +75,19 @@ fn each(all: &[f64], samples: &Samples) -> Result<Vec<f64>, Error> {
     }
 }
 
+/// Checks that something was given for every row.
+fn check_rows(samples: &Samples, what: &str, found: usize) -> Result<(), Error> {
+    let rows = samples.sample_len() + samples.merged.len();
+    if found == rows {
+        return Ok(());
+    }
+    let message = format!("expected a {what} for each of {rows} samples, found {found}");
+    Err(Error::mismatch(message))
+}
+
 /// Collects the samples, with a block of columns for each input.
-pub(super) fn samples(
-    problem: &Problem,
-    features: &Mat<f64>,
-    values: &Mat<f64>,
-) -> Result<Samples, Error> {
+pub(super) fn samples(of: &Data<'_>) -> Result<Samples, Error> {
+    let problem = of.problem;
     let inputs = problem.inputs.iter();
     let blocks: Vec<Block> =
         inputs.map(|input| Block { len: input.kind.feature_len(), weight: input.weight }).collect();
@@ -117,7 +102,7 @@ pub(super) fn samples(
         (false, true) => Conflicts::Keep,
         (false, false) => Conflicts::Refuse,
     };
-    Samples::refusing(features, values, &blocks, conflicts, |[first, second], distance| {
+    Samples::refusing(of.features, of.values, &blocks, conflicts, |[first, second], distance| {
         let (rows, how) = (problem.rows(first, second), same_site(distance));
         Error::mismatch(format!(
             "{rows} have {how} and different values: take their mean (\"average\": true or --average), smooth \
@@ -131,8 +116,6 @@ fn asked(own: &ProblemOptions, inputs: usize) -> Result<Options, Error> {
     let mut out = Options::new(kernel);
     if let Some(degree) = own.degree {
         out.degree = degree_of(degree)?;
-    } else if order(kernel) == Some(0) {
-        out.degree = Some(0);
     }
     out.epsilon = own.epsilon.unwrap_or(out.epsilon);
     if let Some(Smoothing::Given(smoothing)) = own.smoothing {
@@ -181,13 +164,7 @@ fn groups(own: &ProblemOptions, samples: &Samples) -> Result<Vec<Vec<usize>>, Er
     let Some(of_rows) = &own.groups else {
         return Ok((0..n).map(|sample| vec![sample]).collect());
     };
-    let rows = n + samples.merged.len();
-    if of_rows.len() != rows {
-        let found = of_rows.len();
-        return Err(Error::mismatch(format!(
-            "expected a group for each of {rows} samples, found {found}"
-        )));
-    }
+    check_rows(samples, "group", of_rows.len())?;
     let mut out = std::collections::BTreeMap::<usize, Vec<usize>>::new();
     for (sample, &row) in samples.rows.iter().enumerate() {
         out.entry(of_rows[row]).or_default().push(sample);

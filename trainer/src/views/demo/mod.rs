@@ -22,7 +22,7 @@ pub fn write(folder: &Path) -> Result<Vec<ViewSet>, Error> {
     let figure = read_drawing(&own.join("char_cfg.yaml"))?;
     save(&own, &[], "views.json", &as_json(&figure, &own).to_string())?;
     let mut sets = vec![figure];
-    for solids::Made { set, pictures } in [solids::panel(), solids::head()] {
+    for (set, pictures) in [solids::panel(), solids::head()] {
         let own = folder.join(&set.name);
         save(&own, &pictures, "views.json", &as_json(&set, &own).to_string())?;
         sets.push(set);

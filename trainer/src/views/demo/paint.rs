@@ -3,6 +3,7 @@
 use crate::page::camera::Resolution;
 use crate::page::colour::Colour;
 use crate::page::picture::Picture;
+use crate::views::set::cross;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 4;
@@ -69,10 +70,7 @@ fn bleed(picture: &mut Picture) {
 }
 
 fn is_inside(corners: &[[f64; 2]], p: [f64; 2]) -> bool {
-    let turn = |at: usize| {
-        let (a, b) = (corners[at], corners[(at + 1) % corners.len()]);
-        (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
-    };
+    let turn = |at: usize| cross(corners[at], corners[(at + 1) % corners.len()], p);
     let all = || (0..corners.len()).map(turn);
     all().all(|turn| turn >= 0.0) || all().all(|turn| turn <= 0.0)
 }

@@ -39,10 +39,7 @@ const EYES: Colour = [0x2a, 0x4a, 0x7a];
 const MOUTH: Colour = [0xb5, 0x3b, 0x3b];
 
 /// A set with its pictures, each with the file name that the set uses.
-pub(super) struct Made {
-    pub(super) set: ViewSet,
-    pub(super) pictures: Vec<(String, Picture)>,
-}
+pub(super) type Made = (ViewSet, Vec<(String, Picture)>);
 
 /// Makes the panel, which is rolled up along an arc: training views on a grid of parameters, test views between them.
 pub(super) fn panel() -> Made {
@@ -51,6 +48,7 @@ pub(super) fn panel() -> Made {
         Parameter::Rotation { angles: [pitch, yaw, None], order: None },
         Parameter::Scalar("bend".to_owned()),
     ];
+    let elements = quads(PANEL_QUADS, PANEL_QUADS[0] + 1);
     let (mut train, mut pictures) = (Vec::new(), Vec::new());
     let grid = YAWS.iter().flat_map(|yaw| PITCHES.iter().map(move |pitch| (*yaw, *pitch)));
     for (number, (yaw, pitch, bend)) in
@@ -61,35 +59,36 @@ pub(super) fn panel() -> Made {
         if pitch == 0.0 && bend != 0.5 {
             let file = format!("view{number:02}.png");
             own.image = Some(Image::of_file(file.clone().into()));
-            pictures.push((file, panel_picture(&own)));
+            pictures.push((file, panel_picture(&own, &elements)));
         }
         train.push(own);
     }
     let test = [(-20.0, 12.0, 0.25), (20.0, -12.0, 0.75), (30.0, 18.0, 0.6), (-8.0, -20.0, 0.1)];
     let test = test.map(|(yaw, pitch, bend)| panel_view(yaw, pitch, bend)).into();
     let examples = Examples { name: "main".to_owned(), parameters, train, test };
-    made("panel", PANEL_SIZE, panel_elements(), examples, pictures)
+    made("panel", PANEL_SIZE, elements, examples, pictures)
 }
 
 /// Makes the head, which turns all the way round: training views all around, test views halfway between them.
 pub(super) fn head() -> Made {
     let angles = [None, Some("yaw".to_owned()), None];
     let parameters = vec![Parameter::Rotation { angles, order: None }];
+    let elements = quads([HEAD_QUADS[0], HEAD_QUADS[1] - 1], HEAD_QUADS[0]);
     let (mut train, mut test, mut pictures) = (Vec::new(), Vec::new(), Vec::new());
     let step = 360.0 / HEAD_VIEWS as f64;
     for number in 0..HEAD_VIEWS {
         let yaw = step * number as f64;
-        let mut own = head_view(yaw);
+        let mut own = head_view(yaw, &elements);
         if number % 2 == 0 {
             let file = format!("view{:02}.png", number / 2);
             own.image = Some(Image::of_file(file.clone().into()));
-            pictures.push((file, head_picture(&own)));
+            pictures.push((file, head_picture(&own, &elements)));
         }
         train.push(own);
-        test.push(head_view(yaw + 0.5 * step));
+        test.push(head_view(yaw + 0.5 * step, &elements));
     }
     let examples = Examples { name: "main".to_owned(), parameters, train, test };
-    made("head", HEAD_SIZE, head_elements(), examples, pictures)
+    made("head", HEAD_SIZE, elements, examples, pictures)
 }
 
 /// Makes a set of one layer and one motion.
@@ -102,26 +101,34 @@ fn made(
 ) -> Made {
     let layer = Layer::whole(name, examples.train[0].points.len(), elements);
     let (name, layers) = (name.to_owned(), vec![layer]);
-    Made { set: ViewSet { name, size, layers, maps: vec![examples] }, pictures }
+    (ViewSet { name, size, layers, maps: vec![examples] }, pictures)
 }
 
-fn panel_elements() -> Vec<Element> {
-    let across = PANEL_QUADS[0] + 1;
+/// Makes a grid of quads over rows of points. Rows of as many quads as points close around.
+///
+/// - `points`: number of points in a row.
+fn quads([across, down]: [usize; 2], points: usize) -> Vec<Element> {
     let quad = |place: usize| {
-        let first = place / PANEL_QUADS[0] * across + place % PANEL_QUADS[0];
-        Element::Quad([first, first + 1, first + across + 1, first + across])
+        let (column, row) = (place % across, place / across);
+        let at = |column: usize, row: usize| row * points + column % points;
+        Element::Quad([
+            at(column, row),
+            at(column + 1, row),
+            at(column + 1, row + 1),
+            at(column, row + 1),
+        ])
     };
-    (0..PANEL_QUADS[0] * PANEL_QUADS[1]).map(quad).collect()
+    (0..across * down).map(quad).collect()
 }
 
-fn panel_picture(view: &View) -> Picture {
+fn panel_picture(view: &View, elements: &[Element]) -> Picture {
     let known = view.known();
     let painted = |(quad, element): (usize, &Element)| {
         let (column, row) = (quad % PANEL_QUADS[0], quad / PANEL_QUADS[0]);
-        let corners = element.points().iter().map(|&k| known[k]).collect();
+        let corners = element.vertices().iter().map(|&k| known[k]).collect();
         (PANEL_COLOURS[(column + 3 * row) % PANEL_COLOURS.len()], corners)
     };
-    polygons(PANEL_SIZE, &panel_elements().iter().enumerate().map(painted).collect::<Vec<_>>())
+    polygons(PANEL_SIZE, &elements.iter().enumerate().map(painted).collect::<Vec<_>>())
 }
 
 fn panel_view(yaw: f64, pitch: f64, bend: f64) -> View {
@@ -143,35 +150,17 @@ fn panel_view(yaw: f64, pitch: f64, bend: f64) -> View {
         ([middle[0] + nearer * x, middle[1] - nearer * y], -PANEL_PIXELS * z)
     };
     let (points, depths): (Vec<[f64; 2]>, Vec<f64>) = places.map(point).unzip();
-    View {
-        values: [("yaw", yaw), ("pitch", pitch), ("bend", bend)]
-            .map(|(name, value)| (name.to_owned(), value))
-            .into(),
-        visible: vec![true; points.len()],
-        points: points.into_iter().map(Some).collect(),
-        depths,
-        image: None,
-        layers: Vec::new(),
-    }
+    let values = [("yaw", yaw), ("pitch", pitch), ("bend", bend)];
+    let values = values.map(|(name, value)| (name.to_owned(), value)).into();
+    View { depths, ..View::of_points(values, points) }
 }
 
-fn head_elements() -> Vec<Element> {
-    let [around, down] = HEAD_QUADS;
-    let quad = |place: usize| {
-        let (column, row) = (place % around, place / around);
-        let next = (column + 1) % around;
-        let at = |column: usize, row: usize| row * around + column;
-        Element::Quad([at(column, row), at(next, row), at(next, row + 1), at(column, row + 1)])
-    };
-    (0..around * (down - 1)).map(quad).collect()
-}
-
-fn head_picture(view: &View) -> Picture {
+fn head_picture(view: &View, elements: &[Element]) -> Picture {
     let (known, depths) = (view.known(), &view.depths);
     let mut painted = Vec::new();
-    for (quad, element) in head_elements().iter().enumerate() {
+    for (quad, element) in elements.iter().enumerate() {
         if facing(element, &known, depths) > 0.0 {
-            let corners = element.points().iter().map(|&k| known[k]).collect();
+            let corners = element.vertices().iter().map(|&k| known[k]).collect();
             painted.push((head_colour(quad), corners));
         }
     }
@@ -180,7 +169,7 @@ fn head_picture(view: &View) -> Picture {
 
 /// Returns the cosine of the angle between the direction to the eye and the normal of a quad's diagonals.
 fn facing(element: &Element, points: &[[f64; 2]], depths: &[f64]) -> f64 {
-    let &[a, b, c, d] = element.points() else { return 0.0 };
+    let &[a, b, c, d] = element.vertices() else { return 0.0 };
     let between = |from: usize, to: usize| {
         let apart = |axis: usize| points[to][axis] - points[from][axis];
         [apart(0), apart(1), depths[to] - depths[from]]
@@ -210,7 +199,7 @@ fn head_colour(quad: usize) -> Colour {
 /// Makes a view at a yaw, degrees. The first point of each ring is in front, where z is large.
 ///
 /// All corners of a quad that faces the eye are visible, so that hardly a quad of the outline is missing.
-fn head_view(yaw: f64) -> View {
+fn head_view(yaw: f64, elements: &[Element]) -> View {
     let [around, down] = HEAD_QUADS;
     let (s, c) = yaw.to_radians().sin_cos();
     let places = (0..down).flat_map(|j| (0..around).map(move |i| (i, j)));
@@ -226,15 +215,8 @@ fn head_view(yaw: f64) -> View {
     };
     let (points, depths): (Vec<[f64; 2]>, Vec<f64>) = places.map(point).unzip();
     let mut visible = vec![false; points.len()];
-    for element in head_elements().iter().filter(|own| facing(own, &points, &depths) > GRAZING) {
-        element.points().iter().for_each(|&k| visible[k] = true);
+    for element in elements.iter().filter(|own| facing(own, &points, &depths) > GRAZING) {
+        element.vertices().iter().for_each(|&k| visible[k] = true);
     }
-    View {
-        values: [("yaw".to_owned(), yaw)].into(),
-        points: points.into_iter().map(Some).collect(),
-        visible,
-        depths,
-        image: None,
-        layers: Vec::new(),
-    }
+    View { visible, depths, ..View::of_points([("yaw".to_owned(), yaw)].into(), points) }
 }

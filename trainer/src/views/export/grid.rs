@@ -2,9 +2,9 @@
 
 use crate::Error;
 use crate::scattered::model::{Input, InputKind, features};
-use crate::views::fit::{given, names_of, unknown_parameter};
+use crate::views::fit::{given, names_of, unknown_parameter, with_features};
 use crate::views::inverse::starts;
-use crate::views::object::FileMap;
+use crate::views::object::ObjectMap;
 use crate::views::player::{Played, Player};
 use crate::views::set::Values;
 use serde_json::Value;
@@ -90,19 +90,17 @@ impl Grid {
         let mut all = vec![(Vec::new(), values.clone())];
         for (side, [low, high]) in &ranged {
             let at = |node: usize| low + (high - low) * node as f64 / (side.nodes - 1) as f64;
-            let with = |(named, values): &(Vec<String>, Values)| {
-                let (named, values) = (named.clone(), values.clone());
-                (0..side.nodes).map(move |node| {
-                    let (mut named, mut values) = (named.clone(), values.clone());
-                    named.push(format!("{} {}", side.name, at(node)));
-                    values.insert(side.name.clone(), at(node));
-                    (named, values)
-                })
+            let nodes = all.iter().flat_map(|earlier| (0..side.nodes).map(move |k| (earlier, k)));
+            let with = |((named, values), node): (&(Vec<String>, Values), usize)| {
+                let (mut named, mut values) = (named.clone(), values.clone());
+                named.push(format!("{} {}", side.name, at(node)));
+                values.insert(side.name.clone(), at(node));
+                (named, values)
             };
-            all = all.iter().flat_map(with).collect();
+            all = nodes.map(with).collect();
         }
         let node =
-            |(named, values): (Vec<String>, Values)| shown(model, map, named.join(", "), values);
+            |(named, values): (Vec<String>, Values)| shown(&player, named.join(", "), values);
         Ok(Self { sides: ranged, nodes: all.into_iter().map(node).collect::<Result<_, _>>()? })
     }
 
@@ -117,10 +115,9 @@ impl Grid {
     ) -> Result<Self, Error> {
         let player = Player::new(model, map)?;
         let node = |(number, values): (usize, &Values)| {
-            let played = player.play(values)?;
-            Ok(Node { name: format!("frame {number}"), values: values.clone(), played })
+            shown(&player, format!("frame {number}"), values.clone())
         };
-        let nodes = frames.iter().enumerate().map(node).collect::<Result<_, Error>>()?;
+        let nodes = frames.iter().enumerate().map(node).collect::<Result<_, _>>()?;
         Ok(Self { sides: Vec::new(), nodes })
     }
 
@@ -131,9 +128,8 @@ impl Grid {
     pub fn of_key_views(model: &Model<Vec<u8>>, map: Option<&str>) -> Result<Self, Error> {
         let player = Player::new(model, map)?;
         let views = player.views();
-        let own = FileMap::new(&player);
-        let object = own.object();
-        let starts = starts(object.model);
+        let object = ObjectMap::new(&player);
+        let starts = starts(&object.model);
         let mut nodes = Vec::new();
         for view in 0..views.view_len() {
             let place = |point: usize| {
@@ -144,14 +140,13 @@ impl Grid {
             let found = object.find(&points, &starts)?;
             if found.rms < MATCH {
                 let name = views.view_name(view).unwrap_or_default().to_owned();
-                nodes.push(shown(model, map, name, found.values)?);
+                nodes.push(shown(&player, name, found.values)?);
             }
         }
         if nodes.is_empty() {
-            Err(Error::missing("no key view is of this map: say a grid"))
-        } else {
-            Ok(Self { sides: Vec::new(), nodes })
+            return Err(Error::missing("no key view is of this map: say a grid"));
         }
+        Ok(Self { sides: Vec::new(), nodes })
     }
 
     /// Lists the nodes of all cells that a node is a corner of. Nodes without sides form a line.
@@ -166,14 +161,8 @@ impl Grid {
 }
 
 /// Evaluates one node.
-fn shown(
-    model: &Model<Vec<u8>>,
-    map: Option<&str>,
-    name: String,
-    values: Values,
-) -> Result<Node, Error> {
-    let played = Player::new(model, map)?.play(&values)?;
-    Ok(Node { name, values, played })
+fn shown(player: &Player<'_>, name: String, values: Values) -> Result<Node, Error> {
+    Ok(Node { name, played: player.play(&values)?, values })
 }
 
 /// Finds the range of a parameter in training. A number has a range. For an angle the range is the longest run of whole
@@ -188,41 +177,29 @@ fn training_range(player: &Player<'_>, values: &Values, name: &str) -> Result<[f
         let [.., low, high] = player.map().feature(feature).unwrap_or_default().map(f64::from);
         [low, high]
     };
-    let mut first = 0;
-    for input in player.inputs() {
-        let len = input.kind.feature_len();
-        if names_of(std::slice::from_ref(input)).contains(&name) {
-            if input.kind == InputKind::Scalar {
-                return Ok(range(first));
-            }
-            let ranges: Vec<[f64; 2]> = (first..first + len).map(range).collect();
-            let is_inside = |degrees: usize| in_training(input, values, name, degrees, &ranges);
-            let among: Vec<bool> = (0..ROUND).map(is_inside).collect::<Result<_, _>>()?;
-            return longest_run(&among).ok_or_else(no_range);
-        }
-        first += len;
+    let is_own = |own: &(&Input, usize)| names_of(std::slice::from_ref(own.0)).contains(&name);
+    let found = with_features(player.inputs()).find(is_own);
+    let (input, first) = found.ok_or_else(no_range)?;
+    if input.kind == InputKind::Scalar {
+        return Ok(range(first));
     }
-    Err(no_range())
-}
-
-fn in_training(
-    input: &Input,
-    values: &Values,
-    name: &str,
-    degrees: usize,
-    ranges: &[[f64; 2]],
-) -> Result<bool, Error> {
     let inputs = std::slice::from_ref(input);
-    let angle = |other: &str| match values.get(other) {
-        _ if other == name => degrees as f64,
-        value => value.copied().unwrap_or_default(),
+    let is_inside = |degrees: usize| -> Result<bool, Error> {
+        let angle = |other: &str| match values.get(other) {
+            _ if other == name => degrees as f64,
+            value => value.copied().unwrap_or_default(),
+        };
+        let own = names_of(inputs).into_iter().map(|other| (other.to_owned(), angle(other)));
+        let own: Values = own.collect();
+        let own = features(inputs, &given(inputs, &own)?)?;
+        Ok(own.iter().zip(first..).all(|(x, feature)| {
+            let [low, high] = range(feature);
+            let beyond = TOLERANCE * (high - low) + 1e-6;
+            (low - beyond..=high + beyond).contains(x)
+        }))
     };
-    let own = names_of(inputs).into_iter().map(|other| (other.to_owned(), angle(other))).collect();
-    let own = features(inputs, &given(inputs, &own)?)?;
-    Ok(own.iter().zip(ranges).all(|(x, [low, high])| {
-        let beyond = TOLERANCE * (high - low) + 1e-6;
-        (low - beyond..=high + beyond).contains(x)
-    }))
+    let among: Vec<bool> = (0..ROUND).map(is_inside).collect::<Result<_, _>>()?;
+    longest_run(&among).ok_or_else(no_range)
 }
 
 /// Makes the error of nodes at which nothing is drawn.

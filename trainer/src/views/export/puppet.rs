@@ -5,7 +5,7 @@
 //! another, its parts mask the other's parts by the alpha of their pictures. Inochi2D ignores the opacity and the masks
 //! of a mask.
 
-use super::grid::{Grid, Side, json_bytes, nothing_drawn};
+use super::grid::{Grid, Side, json_bytes};
 use super::sheet::{Sheet, sheets};
 use super::shown::Shown;
 use crate::Error;
@@ -35,10 +35,7 @@ pub fn puppet(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<
     let views = player.views();
     let shown: Vec<Shown<'_>> =
         grid.nodes.iter().map(|node| Shown::new(&player, &node.played)).collect();
-    let sheets = sheets(&player, &shown, |node| grid.beside(node));
-    if sheets.is_empty() {
-        return Err(nothing_drawn());
-    }
+    let sheets = sheets(&player, &shown, |node| grid.beside(node))?;
     let (mut parts, mut bindings, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     for (number, sheet) in sheets.iter().enumerate() {
         parts.push(part(views, &sheets, number));

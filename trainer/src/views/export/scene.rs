@@ -1,7 +1,7 @@
 //! Writes a grid as binary glTF: layers are flat meshes, nodes are morph targets, and pictures are textures.
 
 use super::grid::{Grid, nothing_drawn};
-use super::shown::{Shown, elements, name, numbered, triangles, uvs};
+use super::shown::{Shown, descending, elements, name, numbered, triangles, uvs};
 use crate::Error;
 use crate::formats::gltf::write::{ArrayKind, Document, F32, Placed};
 use crate::page::picture::Picture;
@@ -54,13 +54,13 @@ pub fn glb(model: &Model<Vec<u8>>, map: Option<&str>, grid: &Grid) -> Result<Vec
             let Some(picture) = player.key_picture(view, layer) else { continue };
             let uvs = uvs(views, view, &vertices, picture.size);
             let uvs = document.floats(ArrayKind::vertices(F32, "VEC2"), &uvs);
-            let look = Look { name: name(views, layer, view), picture, opacity, has_depth };
+            let name = name(views, layer, view);
             primitives.push(json!({
                 "attributes": { "POSITION": positions, "TEXCOORD_0": uvs },
                 "indices": document.indices(triangles, vertices.len()),
                 "mode": 4,
                 "targets": targets,
-                "material": looks.add(&mut document, &look)?,
+                "material": looks.add(&mut document, &name, &picture, opacity, has_depth)?,
             }));
         }
     }
@@ -86,15 +86,7 @@ fn textured(
     has_depth: bool,
 ) -> BTreeMap<usize, Vec<[usize; 3]>> {
     let views = player.views();
-    let ranking = match has_depth {
-        true => rest.ranking(),
-        false => {
-            let shares = rest.shares(layer);
-            let mut out: Vec<usize> = (0..shares.len()).collect();
-            out.sort_by(|&a, &b| shares[b].total_cmp(&shares[a]));
-            out
-        }
-    };
+    let ranking = if has_depth { rest.ranking() } else { descending(&rest.shares(layer)) };
     let mut pictured = ranking.iter().filter(|&&view| views.view_texture(view, layer).is_some());
     let most = pictured.next().copied();
     let mut out: BTreeMap<usize, Vec<[usize; 3]>> = BTreeMap::new();
@@ -143,14 +135,6 @@ fn shapes(
     (positions, shown.iter().map(target).collect())
 }
 
-/// A picture of a layer as a material.
-struct Look {
-    name: String,
-    picture: Picture,
-    opacity: f64,
-    has_depth: bool,
-}
-
 /// Materials, their textures and images.
 #[derive(Default)]
 struct Looks {
@@ -160,14 +144,21 @@ struct Looks {
 }
 
 impl Looks {
-    fn add(&mut self, document: &mut Document, look: &Look) -> Result<usize, Error> {
-        let Look { name, picture, opacity, has_depth } = look;
+    /// Adds the picture of a layer in a key view.
+    fn add(
+        &mut self,
+        document: &mut Document,
+        name: &str,
+        picture: &Picture,
+        opacity: f64,
+        has_depth: bool,
+    ) -> Result<usize, Error> {
         let number = self.materials.len();
         let bytes = document.view(picture.png()?);
         self.images.push(json!({ "name": name, "bufferView": bytes, "mimeType": "image/png" }));
         self.textures.push(json!({ "source": number, "sampler": 0 }));
         // BLEND materials keep the drawing order of layers without depth, since they hide nothing.
-        let alpha = if *has_depth { "MASK" } else { "BLEND" };
+        let alpha = if has_depth { "MASK" } else { "BLEND" };
         self.materials.push(json!({
             "name": name,
             "pbrMetallicRoughness": {

@@ -7,7 +7,9 @@
 //! The tools blend a picture over the pictures below. Two pictures at an opacity of 0.5 would let a quarter of the
 //! background through. So the lowest picture stays opaque, and the pictures above fade.
 
-use super::shown::{Shown, elements, name, numbered, texel, triangles, uvs};
+use super::grid::nothing_drawn;
+use super::shown::{Shown, descending, elements, name, numbered, texel, triangles, uvs};
+use crate::Error;
 use crate::page::picture::Picture;
 use crate::views::player::Player;
 use sinew_runtime::views::{Element, Views};
@@ -56,11 +58,14 @@ impl Sheet {
 /// Makes the sheets of all layers, in the order of the file. The sheets of a layer start with the lowest.
 ///
 /// - `beside`: lists the nodes that a tool reaches from a node.
+///
+/// # Errors
+/// [`ErrorKind::Missing`](crate::ErrorKind::Missing): nothing is drawn at any node.
 pub(super) fn sheets(
     player: &Player<'_>,
     shown: &[Shown<'_>],
     beside: impl Fn(usize) -> Vec<usize>,
-) -> Vec<Sheet> {
+) -> Result<Vec<Sheet>, Error> {
     let views = player.views();
     let mut out = Vec::new();
     for number in 0..views.layer_len() {
@@ -74,7 +79,7 @@ pub(super) fn sheets(
     let layers: Vec<usize> = out.iter().map(|sheet| sheet.layer).collect();
     out.retain(|sheet| views.clips(sheet.layer).all(|clip| layers.contains(&clip)));
     stack(&mut out, shown);
-    out
+    if out.is_empty() { Err(nothing_drawn()) } else { Ok(out) }
 }
 
 /// Makes the sheets of a layer whose key views fade into each other.
@@ -87,13 +92,9 @@ fn faded(
     let views = player.views();
     let shares = |shown: &Shown<'_>| {
         let is_seen = shown.opacity(layer) > 0.0;
-        let mut out = shown.shares(layer);
-        for (view, share) in out.iter_mut().enumerate() {
-            if !is_seen || views.view_texture(view, layer).is_none() {
-                *share = 0.0;
-            }
-        }
-        out
+        let drawn = |view: usize| is_seen && views.view_texture(view, layer).is_some();
+        let all = shown.shares(layer).into_iter().enumerate();
+        all.map(|(view, share)| if drawn(view) { share } else { 0.0 }).collect()
     };
     let shares: Vec<Vec<f64>> = shown.iter().map(shares).collect();
     let elements: Vec<Element> = elements(views, layer).map(|(_, element)| element).collect();
@@ -189,10 +190,9 @@ const HIDDEN: f64 = 1e-6;
 /// - `shares`: shares of the N views, by node.
 fn order(shares: &[Vec<f64>]) -> Vec<usize> {
     let len = shares.first().map_or(0, Vec::len);
-    let whole = |view: usize| shares.iter().map(|own| own[view]).sum::<f64>();
-    let mut out: Vec<usize> = (0..len).filter(|&view| whole(view) > 0.0).collect();
-    out.sort_by(|&a, &b| whole(b).total_cmp(&whole(a)));
-    out
+    let whole = |view: usize| shares.iter().map(|own| own[view]).sum();
+    let whole: Vec<f64> = (0..len).map(whole).collect();
+    descending(&whole).into_iter().filter(|&view| whole[view] > 0.0).collect()
 }
 
 /// Returns the opacities of pictures at a node. Opaque pictures then mix by their shares.

@@ -37,10 +37,7 @@ impl<'a> Shown<'a> {
 
     /// Lists the key views, the highest score first.
     pub(super) fn ranking(&self) -> Vec<usize> {
-        let scores = &self.played.scores;
-        let mut out: Vec<usize> = (0..scores.len()).collect();
-        out.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]));
-        out
+        descending(&self.played.scores.iter().copied().map(f64::from).collect::<Vec<_>>())
     }
 
     /// Returns the key view that textures an element: the first in `ranking` that shows all of the element, or else the
@@ -86,6 +83,13 @@ impl<'a> Shown<'a> {
         let next = corners.iter().cycle().skip(1);
         corners.iter().zip(next).map(|([ax, ay, _], [bx, by, _])| ax * by - bx * ay).sum()
     }
+}
+
+/// Lists the indices of numbers, the largest number first.
+pub(super) fn descending(numbers: &[f64]) -> Vec<usize> {
+    let mut out: Vec<usize> = (0..numbers.len()).collect();
+    out.sort_by(|&a, &b| numbers[b].total_cmp(&numbers[a]));
+    out
 }
 
 /// Returns the position of a vertex in its layer's picture in a key view, pixels.

@@ -5,7 +5,7 @@
 //! first. Numbers are interpolated linearly between keys, unless a key is stepped. Attachments and the draw order stay
 //! until the next key.
 
-use super::grid::{Grid, json_bytes, nothing_drawn};
+use super::grid::{Grid, json_bytes};
 use super::sheet::{Sheet, sheets};
 use super::shown::Shown;
 use crate::Error;
@@ -59,16 +59,10 @@ pub fn spine(
     }
     let beside = |node: usize| {
         let own = ranges.iter().zip(animations).find(|(range, _)| range.contains(&node));
-        let nodes = own.map(|(range, (_, grid))| (range.start, grid.beside(node - range.start)));
-        nodes
-            .into_iter()
-            .flat_map(|(start, all)| all.into_iter().map(move |at| start + at))
-            .collect()
+        let Some((range, (_, grid))) = own else { return Vec::new() };
+        grid.beside(node - range.start).into_iter().map(|at| range.start + at).collect()
     };
-    let sheets = sheets(&player, &shown, beside);
-    if sheets.is_empty() {
-        return Err(nothing_drawn());
-    }
+    let sheets = sheets(&player, &shown, beside)?;
     let names = unique(sheets.iter().map(|sheet| sheet.name.as_str()));
     let slots: Vec<Slot> =
         sheets.into_iter().zip(names).map(|(sheet, name)| Slot::new(sheet, name)).collect();
@@ -263,7 +257,7 @@ fn hull(triangles: &[[usize; 3]]) -> Vec<usize> {
         counts.into_iter().filter(|(_, count)| *count == 1).map(|(edge, _)| edge).collect();
     // The order of a hash map is random.
     border.sort_unstable();
-    let mut longest = Vec::new();
+    let mut loops = Vec::new();
     while let Some([start, next]) = border.pop() {
         let mut way = vec![start];
         let mut at = next;
@@ -274,17 +268,13 @@ fn hull(triangles: &[[usize; 3]]) -> Vec<usize> {
             at = if a == at { b } else { a };
             // Two borders may meet at a vertex. The loop between is a separate border.
             if let Some(first) = way.iter().position(|&vertex| vertex == at).filter(|&at| at > 0) {
-                let own = way.split_off(first);
-                longest = longer(longest, own);
+                loops.push(way.split_off(first));
             }
         }
-        longest = longer(longest, way);
+        loops.push(way);
     }
-    longest
-}
-
-fn longer(a: Vec<usize>, b: Vec<usize>) -> Vec<usize> {
-    if b.len() > a.len() { b } else { a }
+    // The first of equal loops wins.
+    loops.into_iter().rev().max_by_key(Vec::len).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Fits outputs of one kind by one polynomial and one kernel, and lists the polynomials and kernels to try.
 
+use super::map::with_features;
 use crate::regression::function::{by_name, order};
 use crate::scattered::model::{Input, InputKind};
 use crate::scattered::solver::leave_one_out::LeaveOneOut;
@@ -252,8 +253,8 @@ pub(super) struct TermSet {
 
 /// Lists the sets for inputs. `kept` are the indices of the features that vary.
 pub(super) fn term_sets(inputs: &[Input], kept: &[usize]) -> Vec<TermSet> {
-    let (mut blocks, mut rows, mut first) = (Vec::new(), Vec::new(), 0);
-    for input in inputs {
+    let (mut blocks, mut rows) = (Vec::new(), Vec::new());
+    for (input, first) in with_features(inputs) {
         let len = input.kind.feature_len();
         let own = |most: usize| -> Vec<usize> {
             (first..first + most.min(len)).filter(|feature| kept.contains(feature)).collect()
@@ -261,7 +262,6 @@ pub(super) fn term_sets(inputs: &[Input], kept: &[usize]) -> Vec<TermSet> {
         let is_rotation = matches!(input.kind, InputKind::Rotation { .. });
         rows.push(own(if is_rotation { TWO_ROWS } else { len }));
         blocks.push(own(len));
-        first += len;
     }
     let has_rotation = rows != blocks;
     let set = |name, monomials: Vec<Monomial>| {

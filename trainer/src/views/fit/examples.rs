@@ -16,7 +16,7 @@ use crate::views::set::{Examples, LayerView, Values, View};
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
-use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
+use sinew_runtime::kernel::{Normalise, QueryRule};
 
 /// Relative distance below which two views have the same parameters. The mean distance is 1.
 const SAME: f64 = 1e-9;
@@ -217,20 +217,12 @@ impl Sites {
     /// Tries every polynomial with every kernel, or with the given kernel. If `alone` is set, also tries polynomials
     /// without a kernel.
     fn all(&self, block: &Block, alone: bool, width: Option<Width>) -> Vec<Tried> {
-        let kernels = |set: &TermSet| {
-            let own = match width {
-                Some(width) => vec![width],
-                None => Width::all(set),
-            };
-            let none = alone.then_some(None);
-            none.into_iter().chain(own.into_iter().map(Some)).collect::<Vec<_>>()
-        };
-        let all: Vec<(usize, Option<Width>)> = self
-            .sets
-            .iter()
-            .enumerate()
-            .flat_map(|(set, own)| kernels(own).into_iter().map(move |kernel| (set, kernel)))
-            .collect();
+        let mut all: Vec<(usize, Option<Width>)> = Vec::new();
+        for (number, set) in self.sets.iter().enumerate() {
+            let own = width.map_or_else(|| Width::all(set), |width| vec![width]);
+            let kernels = alone.then_some(None).into_iter().chain(own.into_iter().map(Some));
+            all.extend(kernels.map(|kernel| (number, kernel)));
+        }
         let one = |&(set, kernel): &(usize, Option<Width>)| {
             let left_out = self.fit(block, set, kernel).and_then(|fitted| fitted.left_out());
             let polynomial = self.sets[set].name;
@@ -257,38 +249,31 @@ impl Sites {
         let numbers = numbers(views, keys, outputs.layers);
         let blocks =
             [places(views), depths(views), visibility(views), numbers].map(|own| Block::new(&own));
-        let mut width = points.candidate.kernel;
+        let width = points.candidate.kernel;
         let depths = self.or_piecewise_linear(best(&self.all(&blocks[1], true, width))?);
-        width = width.or(depths.candidate.kernel);
+        let width = width.or(depths.candidate.kernel);
         // The map meets the known visibility of every view, so a kernel is required.
         let visibility = match changes(views) {
             true => self.or_piecewise_linear(best(&self.all(&blocks[2], false, width))?),
             // Every candidate fits constant visibility exactly, so the smallest error would be a matter of rounding.
             false => self.piecewise_linear(width),
         };
-        width = width.or(visibility.candidate.kernel);
+        let width = width.or(visibility.candidate.kernel).unwrap_or(Width::LINEAR);
         // The views do not determine the numbers between key views, so these are interpolated linearly.
-        let numbers = self.piecewise_linear(width);
-        width = width.or(numbers.candidate.kernel);
-        let epsilon = width.map_or(1.0, |width| width.epsilon);
-        let scaled = self.points(epsilon);
-        let parts = [
-            (&points, outputs.places()),
-            (&depths, outputs.depths()),
-            (&visibility, outputs.visibility()),
-            (&numbers, outputs.numbers()),
-        ];
+        let numbers = self.piecewise_linear(Some(width));
+        let scaled = self.points(width.epsilon);
+        let rows = outputs.rows();
         let mut fitted = Vec::new();
-        for ((tried, _), block) in parts.iter().zip(&blocks) {
+        for (tried, block) in [&points, &depths, &visibility, &numbers].into_iter().zip(&blocks) {
             fitted.push(block.fit(&scaled, &self.sets[tried.set], tried.candidate.kernel)?);
         }
         let all = fitted.iter().flat_map(|fitted| &fitted.monomials).cloned();
         let all: Vec<Monomial> = all.collect();
         let (monomials, list) = terms(&all);
         let place = |of: &Monomial| monomials.iter().position(|other| other == of).unwrap_or(0);
-        let centres = if width.is_some() { views.len() } else { 0 };
+        let centres = views.len();
         let mut coefficients = Mat::zeros(outputs.value_len(), centres + monomials.len());
-        for (fitted, (_, rows)) in fitted.iter().zip(&parts) {
+        for (fitted, rows) in fitted.iter().zip(&rows) {
             for (column, &row) in rows.iter().enumerate() {
                 (0..centres).for_each(|k| coefficients[(row, k)] = fitted.kernels[(k, column)]);
                 for (term, monomial) in fitted.monomials.iter().enumerate() {
@@ -298,17 +283,17 @@ impl Sites {
             }
         }
         let sum = KernelSum {
-            kernel: width.map_or(Kernel::Linear, |width| width.kernel),
+            kernel: width.kernel,
             shift: self.scaling.shift.clone(),
-            scale: self.scaling.scale.iter().map(|scale| scale * epsilon).collect(),
+            scale: self.scaling.scale.iter().map(|scale| scale * width.epsilon).collect(),
             metric: None,
-            centres: scaled.transpose().subcols(0, centres).to_owned(),
+            centres: scaled.transpose().to_owned(),
             terms: list,
             coefficients,
         };
         let left_out = fitted[0].report();
         let bounds = largest(&rounded(&sum), &self.features);
-        let bound = outputs.places().iter().map(|&value| bounds[value]).fold(0.0, f64::max);
+        let bound = rows[0].iter().map(|&value| bounds[value]).fold(0.0, f64::max);
         let mut map = FittedMap {
             model: KernelModel {
                 name: examples.name.clone(),

@@ -44,9 +44,18 @@ pub(in crate::views) fn unknown_parameter(found: &str, names: &[&str]) -> Error 
 }
 
 /// Splits the name of a rotation into angles. The name of any other input is not split.
-fn angles_of(input: &Input) -> impl Iterator<Item = &str> {
+pub(in crate::views) fn angles_of(input: &Input) -> impl Iterator<Item = &str> {
     let parts = if matches!(input.kind, InputKind::Rotation { .. }) { 3 } else { 1 };
     input.name.splitn(parts, ',')
+}
+
+/// Pairs each input with the index of its first feature.
+pub(in crate::views) fn with_features(inputs: &[Input]) -> impl Iterator<Item = (&Input, usize)> {
+    inputs.iter().scan(0, |next, input| {
+        let first = *next;
+        *next += input.kind.feature_len();
+        Some((input, first))
+    })
 }
 
 /// Visibility above which a point is visible.
@@ -89,24 +98,16 @@ impl MapOutputs {
         4 * self.points + self.views + 2 * self.layers
     }
 
-    /// Lists the indices of the values of points: x and y.
-    pub(super) fn places(self) -> Vec<usize> {
-        (0..self.points).flat_map(|k| [3 * k, 3 * k + 1]).collect()
-    }
-
-    /// Lists the indices of the values of depths.
-    pub(super) fn depths(self) -> Vec<usize> {
-        (0..self.points).map(|k| 3 * k + 2).collect()
-    }
-
-    /// Lists the indices of the values of visibility.
-    pub(super) fn visibility(self) -> Vec<usize> {
-        (3 * self.points..4 * self.points).collect()
-    }
-
-    /// Lists the indices of the values of key views' scores, layers' opacities and layers' orders.
-    pub(super) fn numbers(self) -> Vec<usize> {
-        (4 * self.points..self.value_len()).collect()
+    /// Lists the indices of the values of points (x and y), of depths, of visibility, and of all numbers: key views'
+    /// scores, layers' opacities and layers' orders.
+    pub(super) fn rows(self) -> [Vec<usize>; 4] {
+        let k = self.points;
+        [
+            (0..k).flat_map(|k| [3 * k, 3 * k + 1]).collect(),
+            (0..k).map(|k| 3 * k + 2).collect(),
+            (3 * k..4 * k).collect(),
+            (4 * k..self.value_len()).collect(),
+        ]
     }
 
     /// Lists the outputs with their names.
@@ -193,17 +194,13 @@ pub(super) fn encodings(examples: &Examples) -> Vec<Vec<Input>> {
             })
             .collect();
     }
-    let has_rotation =
-        |encoding: &[Input]| encoding.iter().any(|input| input.kind != InputKind::Scalar);
-    let names: Vec<&str> = examples.parameters.iter().flat_map(Parameter::names).collect();
-    let narrow = examples.parameters.iter().all(|parameter| match parameter {
-        Parameter::Scalar(_) => true,
-        Parameter::Rotation { angles, .. } => {
-            angles.iter().flatten().all(|angle| range(&examples.train, angle) < HALF_TURN)
-        }
-    });
-    if narrow && has_rotation(&out[0]) {
-        out.push(names.into_iter().map(scalar).collect());
+    let rotations =
+        || examples.parameters.iter().filter(|own| !matches!(own, Parameter::Scalar(_)));
+    let mut angles = rotations().flat_map(Parameter::names);
+    let is_narrow = angles.all(|angle| range(&examples.train, angle) < HALF_TURN);
+    if is_narrow && rotations().next().is_some() {
+        let names = examples.parameters.iter().flat_map(Parameter::names);
+        out.push(names.map(scalar).collect());
     }
     out
 }

@@ -6,5 +6,5 @@ mod map;
 
 pub use block::{Candidate, LeftOutViews};
 pub use examples::{Choice, FitOptions, FittedMap, fit, fit_each};
-pub(in crate::views) use map::unknown_parameter;
 pub use map::{MapOutputs, Shown, given, names_of, weights};
+pub(in crate::views) use map::{angles_of, unknown_parameter, with_features};

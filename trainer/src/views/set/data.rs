@@ -6,6 +6,7 @@ use crate::page::camera::Resolution;
 use crate::page::picture::Picture;
 use crate::{Error, ErrorKind};
 use sinew_runtime::kernel::EulerOrder;
+pub use sinew_runtime::views::Element;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -34,8 +35,8 @@ pub struct Layer {
     pub name: String,
     /// Indices of the points of the layer.
     pub points: Vec<usize>,
-    /// Elements between the set's points; without depth the hindmost is first. Empty if the pictures are warped as a
-    /// whole.
+    /// Elements, with indices of the set's points as vertices; without depth the hindmost is first. Empty if the
+    /// pictures are warped as a whole.
     pub elements: Vec<Element>,
     /// Index of the layer that clips this layer.
     pub clip: Option<usize>,
@@ -76,7 +77,7 @@ pub enum Parameter {
 }
 
 /// A view.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
     /// Values of the parameters.
     pub values: Values,
@@ -109,6 +110,11 @@ impl ViewSet {
     pub fn point_len(&self) -> usize {
         let first = self.maps.iter().find_map(|map| map.train.first());
         first.map_or(0, |view| view.points.len())
+    }
+
+    /// Returns a training view by its motion and index.
+    pub fn view(&self, (map, view): (usize, usize)) -> &View {
+        &self.maps[map].train[view]
     }
 
     /// Names a training view by its motion and index.
@@ -155,6 +161,12 @@ impl Parameter {
 }
 
 impl View {
+    /// Makes a view whose points are all visible.
+    pub fn of_points(values: Values, points: Vec<[f64; 2]>) -> Self {
+        let visible = vec![true; points.len()];
+        Self { values, visible, points: points.into_iter().map(Some).collect(), ..Self::default() }
+    }
+
     /// Whether the view has a picture.
     pub fn is_key(&self) -> bool {
         match &self.layers[..] {
@@ -183,51 +195,32 @@ impl View {
     }
 }
 
-/// A triangle or a convex quad, by the indices of its points around the outline.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Element {
-    /// Three points.
-    Triangle([usize; 3]),
-    /// Four points.
-    Quad([usize; 4]),
-}
-
-impl Element {
-    /// Makes elements of a polygon. A polygon with more than four corners becomes a fan of triangles around the first
-    /// corner.
-    ///
-    /// # Errors
-    /// [`ErrorKind::Value`]: the polygon has fewer than three points, an unknown point, or a point twice.
-    pub fn of_polygon(
-        element: usize,
-        polygon: &[usize],
-        points: usize,
-    ) -> Result<Vec<Self>, Error> {
-        let wrong = |what: String| Error::value(format!("element {element}: {what}"));
-        if let Some(point) = polygon.iter().find(|point| **point >= points) {
-            return Err(wrong(format!("point {point}, of {points}")));
-        }
-        let twice = (1..polygon.len()).find(|&at| polygon[..at].contains(&polygon[at]));
-        if let Some(at) = twice {
-            return Err(wrong(format!("point {} is there twice", polygon[at])));
-        }
-        match *polygon {
-            [a, b, c] => Ok(vec![Self::Triangle([a, b, c])]),
-            [a, b, c, d] => Ok(vec![Self::Quad([a, b, c, d])]),
-            [first, _, _, _, _, ..] => {
-                let fan = polygon[1..].windows(2).map(|pair| [first, pair[0], pair[1]]);
-                Ok(fan.map(Self::Triangle).collect())
-            }
-            _ => Err(wrong(format!("expected 3 points or more, found {}", polygon.len()))),
-        }
+/// Makes elements of a polygon. A polygon with more than four corners becomes a fan of triangles around the first
+/// corner.
+///
+/// # Errors
+/// [`ErrorKind::Value`]: the polygon has fewer than three points, an unknown point, or a point twice.
+pub(super) fn elements_of(
+    element: usize,
+    polygon: &[usize],
+    points: usize,
+) -> Result<Vec<Element>, Error> {
+    let wrong = |what: String| Error::value(format!("element {element}: {what}"));
+    if let Some(point) = polygon.iter().find(|point| **point >= points) {
+        return Err(wrong(format!("point {point}, of {points}")));
     }
-
-    /// Lists the points of the element.
-    pub fn points(&self) -> &[usize] {
-        match self {
-            Self::Triangle(points) => points,
-            Self::Quad(points) => points,
+    let twice = (1..polygon.len()).find(|&at| polygon[..at].contains(&polygon[at]));
+    if let Some(at) = twice {
+        return Err(wrong(format!("point {} is there twice", polygon[at])));
+    }
+    match *polygon {
+        [a, b, c] => Ok(vec![Element::Triangle([a, b, c])]),
+        [a, b, c, d] => Ok(vec![Element::Quad([a, b, c, d])]),
+        [first, _, _, _, _, ..] => {
+            let fan = polygon[1..].windows(2).map(|pair| [first, pair[0], pair[1]]);
+            Ok(fan.map(Element::Triangle).collect())
         }
+        _ => Err(wrong(format!("expected 3 points or more, found {}", polygon.len()))),
     }
 }
 
@@ -330,10 +323,10 @@ mod tests {
 
     #[test]
     fn polygons_become_triangles_about_their_first_corner() {
-        let found = Element::of_polygon(0, &[5, 1, 2, 3, 4], 6).unwrap();
+        let found = elements_of(0, &[5, 1, 2, 3, 4], 6).unwrap();
         let expected = [[5, 1, 2], [5, 2, 3], [5, 3, 4]].map(Element::Triangle);
         assert_eq!(found, expected);
-        assert_eq!(Element::of_polygon(0, &[3, 2, 1, 0], 4).unwrap().len(), 1);
+        assert_eq!(elements_of(0, &[3, 2, 1, 0], 4).unwrap().len(), 1);
     }
 
     #[test]
@@ -343,7 +336,7 @@ mod tests {
             (&[0, 1, 7], "point 7, of 4"),
             (&[0, 1, 2, 1], "point 1 is there twice"),
         ] {
-            let refused = Element::of_polygon(9, polygon, 4).unwrap_err();
+            let refused = elements_of(9, polygon, 4).unwrap_err();
             assert_eq!(refused.to_string(), format!("element 9: {what}"));
         }
     }

@@ -4,6 +4,7 @@ use super::data::{Element, Examples, Image, Layer, Parameter, View, ViewSet, pic
 use super::elements::Silhouette;
 use super::json::missing_parameter;
 use crate::Error;
+use crate::numeric::columns::ends;
 use crate::page::picture::Picture;
 use std::path::Path;
 
@@ -46,23 +47,13 @@ pub fn read_drawing(description: &Path) -> Result<ViewSet, Error> {
     let text = std::fs::read_to_string(description).map_err(Error::read)?;
     let rest = joints(&text)?;
     let folder = description.parent().unwrap_or(Path::new(""));
-    let image = Image {
-        file: folder.join("texture.png"),
-        mask: Some(folder.join("mask.png")),
-        layer: None,
-    };
+    let mask = Some(folder.join("mask.png"));
+    let image = Image { mask, ..Image::of_file(folder.join("texture.png")) };
     let size = picture_size(&image.file)?;
     let mesh = Mesh::new(&image.load(size)?, &rest)?;
     let view = |pose: Pose, name: &str, value: f64, image: Option<Image>| {
         let points = mesh.posed(&rest, &pose.posed(&rest));
-        View {
-            values: [(name.to_owned(), value)].into(),
-            visible: vec![true; points.len()],
-            points: points.into_iter().map(Some).collect(),
-            depths: Vec::new(),
-            image,
-            layers: Vec::new(),
-        }
+        View { image, ..View::of_points([(name.to_owned(), value)].into(), points) }
     };
     let key = |time: f64| (time == TIMES[0]).then(|| image.clone());
     let jump = TIMES.map(|time| view(Pose::jump(time), "time", time, key(time)));
@@ -123,21 +114,16 @@ struct Mesh {
 
 impl Mesh {
     fn new(picture: &Picture, rest: &[[f64; 2]; 16]) -> Result<Self, Error> {
-        let Silhouette { corners, faces } = Silhouette::of(picture, ACROSS, 0)?;
+        let Silhouette { corners, mut faces } = Silhouette::of(picture, ACROSS, 0)?;
         let weights: Vec<[f64; 16]> =
             corners.iter().map(|corner| bone_weights(*corner, rest)).collect();
-        let mut order: Vec<(usize, [usize; 3])> = Vec::new();
-        for own in faces {
-            let strongest = |k: usize| {
-                let weights = &weights[own[k]];
-                (0..16).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or_default()
-            };
-            order.push((depth_order(strongest(0)), own));
-        }
-        order.sort_by_key(|(layer, _)| *layer);
-        let behind =
-            |(_, face): (usize, [usize; 3])| Element::Triangle(face.map(|c| JOINTS.len() + c));
-        Ok(Self { corners, weights, elements: order.into_iter().map(behind).collect() })
+        faces.sort_by_key(|[corner, ..]| {
+            let weights = &weights[*corner];
+            let strongest = (0..16).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));
+            depth_order(strongest.unwrap_or_default())
+        });
+        let element = |face: [usize; 3]| Element::Triangle(face.map(|c| JOINTS.len() + c));
+        Ok(Self { corners, weights, elements: faces.into_iter().map(element).collect() })
     }
 
     /// Lists joints and corners in a pose.
@@ -237,12 +223,8 @@ impl Pose {
     ///
     /// - `rest`: positions at rest, pixels.
     fn posed(&self, rest: &[[f64; 2]; 16]) -> Posed {
-        let ends = |axis: usize| {
-            let all = rest.map(|joint| joint[axis]);
-            all.iter().copied().fold(f64::MIN, f64::max)
-                - all.iter().copied().fold(f64::MAX, f64::min)
-        };
-        let height = ends(1);
+        let [top, bottom] = ends(&rest.map(|joint| joint[1]));
+        let height = bottom - top;
         let mut out = Posed { joints: *rest, turned: [0.0; 16] };
         for (joint, (_, parent)) in JOINTS.iter().enumerate() {
             let Some(parent) = *parent else {

@@ -60,7 +60,7 @@ pub(super) fn check_elements(
 ) -> Result<(), Error> {
     let known = view.known();
     for (element, &source) in elements.iter().zip(sources) {
-        let corners = element.points();
+        let corners = element.vertices();
         if !corners.iter().all(|&k| view.visible[k]) {
             continue;
         }
@@ -100,7 +100,7 @@ pub(super) fn check_elements(
 }
 
 /// Returns twice the signed area of a triangle.
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+pub(in crate::views) fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
@@ -314,10 +314,7 @@ mod tests {
     fn covered(found: &Silhouette, p: [f64; 2]) -> bool {
         found.faces.iter().any(|face| {
             let ring = face.map(|corner| found.corners[corner]);
-            let turn = |k: usize| {
-                let (a, b) = (ring[k], ring[(k + 1) % 3]);
-                (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
-            };
+            let turn = |k: usize| cross(ring[k], ring[(k + 1) % 3], p);
             (0..3).all(|k| turn(k) > -1e-9) || (0..3).all(|k| turn(k) < 1e-9)
         })
     }

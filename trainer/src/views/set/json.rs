@@ -5,7 +5,7 @@ use super::layers::{WrittenLayer, WrittenLayerView, layer_views};
 use crate::Error;
 use crate::formats::layered::is_layered;
 use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use sinew_runtime::kernel::EulerOrder;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -84,17 +84,17 @@ pub(super) fn parameter(written: WrittenParameter) -> Result<Parameter, Error> {
         WrittenParameter::Scalar(name) => return Ok(Parameter::Scalar(name)),
         WrittenParameter::Rotation { angles, order } => (angles, order),
     };
-    let found = |name: &String| EulerOrder::ALL.into_iter().find(|order| order.name() == name);
-    let known = match &order {
-        Some(name) => Some(found(name).ok_or_else(|| {
+    let known = |name: String| {
+        let found = EulerOrder::ALL.into_iter().find(|order| order.name() == name);
+        found.ok_or_else(|| {
             Error::value(format!(
                 "parameters: parameter \"{name}\" is no order of angles: expected XYZ, XZY, YXZ, YZX, ZXY or ZYX"
             ))
-        })?),
-        None => None,
+        })
     };
+    let order = order.map(known).transpose()?;
     let angle = |axis| angles.get(&axis).cloned();
-    Ok(Parameter::Rotation { angles: [Axis::X, Axis::Y, Axis::Z].map(angle), order: known })
+    Ok(Parameter::Rotation { angles: [Axis::X, Axis::Y, Axis::Z].map(angle), order })
 }
 
 /// Makes a parameter of every number of a view, and an angle of every number whose name ends in degrees.
@@ -181,10 +181,9 @@ pub(super) fn view(
         visible: marks.iter().map(|seen| seen.unwrap_or(true)).collect(),
         points,
         depths: depth.unwrap_or_default(),
-        image: image.map(|file| Image {
-            file: folder.join(file),
-            mask: mask.map(|mask| folder.join(mask)),
-            layer: None,
+        image: image.map(|file| {
+            let mask = mask.map(|mask| folder.join(mask));
+            Image { mask, ..Image::of_file(folder.join(file)) }
         }),
         layers: layer_views(own_layers, layers, folder, named)?,
     };
@@ -214,21 +213,19 @@ pub(super) fn view(
 ///
 /// - `folder`: folder of the set. Pictures are named relative to the folder.
 pub fn as_json(set: &ViewSet, folder: &Path) -> Value {
-    let mut out = Map::new();
-    out.insert("name".to_owned(), json!(set.name));
-    out.insert("image_size".to_owned(), json!(set.size));
+    let maps: Value = set.maps.iter().map(|own| map_json(own, &set.layers, folder)).collect();
+    let mut out = json!({ "name": set.name, "image_size": set.size, "maps": maps });
     match &set.layers[..] {
-        [whole] if !has_layers(set) => {
-            out.insert("elements".to_owned(), elements_json(whole));
-        }
-        layers => {
-            let all = layers.iter().map(|own| layer_json(own, layers)).collect::<Vec<_>>();
-            out.insert("layers".to_owned(), json!(all));
-        }
+        [whole] if !has_layers(set) => out["elements"] = elements_json(whole),
+        layers => out["layers"] = layers.iter().map(|own| layer_json(own, layers)).collect(),
     }
-    let maps = set.maps.iter().map(|own| map_json(own, &set.layers, folder)).collect::<Vec<_>>();
-    out.insert("maps".to_owned(), json!(maps));
-    Value::Object(out)
+    out
+}
+
+/// Drops the fields without a value from an object.
+fn without_nulls(object: Value) -> Value {
+    let fields = object.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null());
+    fields.map(|(name, value)| (name.clone(), value.clone())).collect()
 }
 
 /// Whether views have pictures of layers.
@@ -237,15 +234,16 @@ fn has_layers(set: &ViewSet) -> bool {
 }
 
 fn elements_json(layer: &Layer) -> Value {
-    json!(layer.elements.iter().map(|element| element.points()).collect::<Vec<_>>())
+    json!(layer.elements.iter().map(|element| element.vertices()).collect::<Vec<_>>())
 }
 
 fn layer_json(own: &Layer, all: &[Layer]) -> Value {
-    let mut out = json!({ "name": own.name, "points": own.points, "elements": elements_json(own) });
-    if let Some(clip) = own.clip {
-        out["clip"] = json!(all[clip].name);
-    }
-    out
+    without_nulls(json!({
+        "name": own.name,
+        "points": own.points,
+        "elements": elements_json(own),
+        "clip": own.clip.map(|clip| &all[clip].name),
+    }))
 }
 
 fn map_json(examples: &Examples, layers: &[Layer], folder: &Path) -> Value {
@@ -262,12 +260,9 @@ fn map_json(examples: &Examples, layers: &[Layer], folder: &Path) -> Value {
 fn parameter_json(parameter: &Parameter) -> Value {
     match parameter {
         Parameter::Scalar(name) => json!(name),
-        Parameter::Rotation { angles, order } => {
-            let named = ["x", "y", "z"].into_iter().zip(angles);
-            let named: Map<String, Value> = named
-                .filter_map(|(axis, name)| Some((axis.to_owned(), json!(name.as_ref()?))))
-                .collect();
-            json!({ "angles": named, "order": order.map(|order| order.name()) })
+        Parameter::Rotation { angles: [x, y, z], order } => {
+            let angles = without_nulls(json!({ "x": x, "y": y, "z": z }));
+            json!({ "angles": angles, "order": order.map(|order| order.name()) })
         }
     }
 }
@@ -278,41 +273,31 @@ fn path_json(path: &Path, folder: &Path) -> Value {
 
 /// Writes a layer of a view. The picture is omitted if the view's own picture contains the layer.
 fn layer_view_json(own: &LayerView, whole: Option<&Image>, folder: &Path) -> Value {
-    let mut out = Map::new();
     let is_implied = |image: &Image| {
         image.layer.is_some() && whole.is_some_and(|whole| whole.file == image.file)
     };
-    if let Some(image) = own.image.as_ref().filter(|image| !is_implied(image)) {
-        out.insert("image".to_owned(), path_json(&image.file, folder));
-    }
-    for (name, value) in [("opacity", own.opacity), ("order", own.order)] {
-        if let Some(value) = value {
-            out.insert(name.to_owned(), json!(value));
-        }
-    }
-    Value::Object(out)
+    let image = own.image.as_ref().filter(|image| !is_implied(image));
+    without_nulls(json!({
+        "image": image.map(|image| path_json(&image.file, folder)),
+        "opacity": own.opacity,
+        "order": own.order,
+    }))
 }
 
 fn view_json(view: &View, layers: &[Layer], folder: &Path) -> Value {
-    let mut out = Map::new();
-    if let Some(image) = &view.image {
-        out.insert("image".to_owned(), path_json(&image.file, folder));
-        if let Some(mask) = &image.mask {
-            out.insert("mask".to_owned(), path_json(mask, folder));
-        }
-    }
-    if !view.layers.is_empty() {
-        let all = layers.iter().zip(&view.layers);
-        let own = |(layer, own): (&Layer, &LayerView)| {
-            (layer.name.clone(), layer_view_json(own, view.image.as_ref(), folder))
-        };
-        out.insert("layers".to_owned(), Value::Object(all.map(own).collect()));
-    }
-    out.extend(view.values.iter().map(|(name, value)| (name.clone(), json!(value))));
-    out.insert("points".to_owned(), json!(view.points));
-    out.insert("visible".to_owned(), json!(view.seen().collect::<Vec<_>>()));
-    if !view.depths.is_empty() {
-        out.insert("depth".to_owned(), json!(view.depths));
-    }
-    Value::Object(out)
+    let whole = view.image.as_ref();
+    let layer = |(layer, own): (&Layer, &LayerView)| {
+        (layer.name.clone(), layer_view_json(own, whole, folder))
+    };
+    let layers = layers.iter().zip(&view.layers).map(layer);
+    let mut out = json!({
+        "image": whole.map(|image| path_json(&image.file, folder)),
+        "mask": whole.and_then(|image| Some(path_json(image.mask.as_ref()?, folder))),
+        "layers": (!view.layers.is_empty()).then(|| layers.collect::<Value>()),
+        "points": view.points,
+        "visible": view.seen().collect::<Vec<_>>(),
+        "depth": (!view.depths.is_empty()).then_some(&view.depths),
+    });
+    view.values.iter().for_each(|(name, value)| out[name] = json!(value));
+    without_nulls(out)
 }

@@ -1,6 +1,6 @@
 //! Layers of a set, as JSON and as pictures in layers define them.
 
-use super::data::{Element, Image, Layer, LayerView, ViewSet};
+use super::data::{Element, Image, Layer, LayerView, ViewSet, elements_of};
 use super::elements::check_elements;
 use crate::Error;
 use crate::formats::layered::{LayeredPicture, PaintedLayer};
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A layer of a set in JSON.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WrittenLayer {
     pub(super) name: String,
@@ -36,16 +36,6 @@ enum Auto {
 }
 
 impl WrittenLayer {
-    /// Makes a layer with proposed points.
-    pub(super) fn proposed(name: String) -> Self {
-        Self {
-            name,
-            points: Some(WrittenPoints::Auto(Auto::Auto)),
-            elements: Vec::new(),
-            clip: None,
-        }
-    }
-
     /// Whether the points are proposed.
     pub(super) fn is_proposed(&self) -> bool {
         matches!(self.points, Some(WrittenPoints::Auto(_)))
@@ -136,17 +126,12 @@ pub(super) fn layered(
     }
     let (mut out, mut auto) = (Vec::new(), Vec::new());
     for WrittenLayer { name, points, elements, clip } in written {
-        let clip = match clip {
-            None => None,
-            Some(other) => {
-                let found = names.iter().position(|name| *name == other);
-                let unknown = || {
-                    let what = format!("it is clipped by \"{other}\", no layer");
-                    in_layer(&name, Error::value(what))
-                };
-                Some(found.ok_or_else(unknown)?)
-            }
+        let number = |other: String| {
+            let what = format!("it is clipped by \"{other}\", no layer");
+            let found = names.iter().position(|name| *name == other);
+            found.ok_or_else(|| in_layer(&name, Error::value(what)))
         };
+        let clip = clip.map(number).transpose()?;
         let points = match points {
             Some(WrittenPoints::Auto(Auto::Auto)) if elements.is_empty() => {
                 auto.push(out.len());
@@ -171,19 +156,18 @@ pub(super) fn layered(
 /// Makes elements of polygons, and checks the elements in every key view.
 ///
 /// # Errors
-/// The errors of [`Element::of_polygon`] and [`check_elements`].
+/// The errors of [`elements_of`] and [`check_elements`].
 pub(super) fn checked_elements(
     set: &ViewSet,
     polygons: &[Vec<usize>],
 ) -> Result<Vec<Element>, Error> {
     let (mut out, mut sources) = (Vec::new(), Vec::new());
     for (number, polygon) in polygons.iter().enumerate() {
-        out.extend(Element::of_polygon(number, polygon, set.point_len())?);
+        out.extend(elements_of(number, polygon, set.point_len())?);
         sources.resize(out.len(), number);
     }
-    for (map, view) in set.key_views() {
-        let own = &set.maps[map].train[view];
-        check_elements(&out, &sources, own, &set.view_name((map, view)))?;
+    for key in set.key_views() {
+        check_elements(&out, &sources, set.view(key), &set.view_name(key))?;
     }
     Ok(out)
 }
@@ -202,7 +186,7 @@ fn check_points(set: &ViewSet, layers: &[Layer]) -> Result<(), Error> {
                 return Err(wrong(what));
             }
         }
-        let mut corners = layer.elements.iter().flat_map(Element::points);
+        let mut corners = layer.elements.iter().flat_map(Element::vertices);
         if let Some(point) = corners.find(|point| !layer.points.contains(point)) {
             return Err(wrong(format!("an element has point {point}, which is not its own")));
         }
@@ -238,12 +222,13 @@ fn check_clips(layers: &[Layer]) -> Result<(), Error> {
 
 /// Checks that each layer has a picture, and that a key view has a picture of each layer with a visible point.
 fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), Error> {
-    for (map, number) in set.key_views() {
-        let view = &set.maps[map].train[number];
+    let keys = set.key_views();
+    for &key in &keys {
+        let view = set.view(key);
         for (layer, own) in layers.iter().enumerate() {
             let seen = own.points.iter().find(|&&point| view.visible[point]);
             if let (None, Some(point)) = (view.picture(layer), seen) {
-                let key = set.view_name((map, number));
+                let key = set.view_name(key);
                 let what = format!(
                     "{key} has no picture of it, but shows point {point}: name a picture, \
                      or mark its points as not visible"
@@ -252,17 +237,14 @@ fn check_pictures(set: &ViewSet, layers: &[Layer]) -> Result<(), Error> {
             }
         }
     }
-    let keys = set.key_views();
-    let shown = |layer: usize| {
-        keys.iter().any(|&(map, view)| set.maps[map].train[view].picture(layer).is_some())
-    };
+    let shown = |layer: usize| keys.iter().any(|&key| set.view(key).picture(layer).is_some());
     match (0..layers.len()).find(|&layer| !shown(layer)) {
         Some(layer) if !keys.is_empty() => Err(never_shown(&layers[layer].name)),
         _ => Ok(()),
     }
 }
 
-/// Makes the layers of a set without `layers`, with proposed points. All pictures must have the same layers, in any
+/// Makes the layers of a set without `layers`, whose points are to be proposed. All pictures must have the same layers, in any
 /// order. A layer that no picture shows is dropped.
 ///
 /// # Errors
@@ -294,7 +276,7 @@ pub(super) fn painted_layers(files: &[&Path]) -> Result<Vec<WrittenLayer>, Error
         if is_only { layers[at].name.clone() } else { layers[at].path.clone() }
     };
     let drawn = (0..layers.len()).filter(is_drawn);
-    Ok(drawn.map(|at| WrittenLayer::proposed(name(at))).collect())
+    Ok(drawn.map(|at| WrittenLayer { name: name(at), ..WrittenLayer::default() }).collect())
 }
 
 /// Adds the layers of a view's picture, with their opacities. The order is added if it differs from the set's. A
@@ -374,20 +356,13 @@ pub(super) fn clip_as_painted(files: &[&Path], layers: &mut [WrittenLayer]) -> R
                 continue;
             };
             let wrong = |what: String| in_layer(&names[layer], Error::mismatch(what));
-            let base = match picture.layers[place].clip {
-                None => None,
-                Some(clip) => {
-                    let found = places.iter().position(|other| *other == Some(clip));
-                    let unknown = || {
-                        let base = &picture.layers[clip].path;
-                        wrong(format!(
-                            "{} clips it to \"{base}\", no layer of the set",
-                            file.display()
-                        ))
-                    };
-                    Some(names[found.ok_or_else(unknown)?].clone())
-                }
+            let name = |clip: usize| {
+                let found = places.iter().position(|other| *other == Some(clip));
+                let (file, base) = (file.display(), &picture.layers[clip].path);
+                let what = format!("{file} clips it to \"{base}\", no layer of the set");
+                found.map(|found| names[found].clone()).ok_or_else(|| wrong(what))
             };
+            let base = picture.layers[place].clip.map(name).transpose()?;
             let (first, expected) = known.get_or_insert_with(|| (file, base.clone()));
             if base != *expected {
                 let said = |file: &Path, base: &Option<String>| match base {

@@ -12,7 +12,7 @@ pub use data::{Element, Examples, Image, Layer, LayerView, Parameter, Values, Vi
 pub(in crate::views) use drawing::segment_distance;
 pub use drawing::{JOINTS, read_drawing};
 pub use elements::triangulated;
-pub(in crate::views) use elements::{Covered, cropped};
+pub(in crate::views) use elements::{Covered, cropped, cross};
 pub use json::as_json;
-pub(in crate::views) use read::nowhere;
+pub(in crate::views) use read::check_places;
 pub use read::{read, read_instance};

@@ -13,7 +13,7 @@ use super::proposed;
 use crate::Error;
 use crate::formats::layered::is_layered;
 use crate::formats::obj;
-use nalgebra::{DMatrix, Matrix2x4, RowVector4, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -32,17 +32,7 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, Error> {
     let written: Written = parsed(path)?;
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let folder = path.parent().unwrap_or(Path::new(""));
-    let Written {
-        name,
-        image_size,
-        elements: polygons,
-        layers,
-        points,
-        mesh_vertex_index,
-        maps,
-        own,
-    } = written;
-    let is_auto = match points {
+    let is_auto = match written.points {
         None | Some(Value::Array(_)) => false,
         Some(Value::String(word)) if word == AUTO => true,
         Some(found) => {
@@ -51,7 +41,7 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, Error> {
             )));
         }
     };
-    let all: Vec<WrittenMap> = std::iter::once(own).chain(maps).collect();
+    let all: Vec<WrittenMap> = std::iter::once(written.own).chain(written.maps).collect();
     if let Some(map) = all.iter().find(|map| map.train.is_empty() && !map.test.is_empty()) {
         let what = "has views, and \"train\" none to learn from";
         return Err(wrong_field(&map.name, "test", what));
@@ -65,7 +55,7 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, Error> {
     }
     let painted = painted_files(&all, folder);
     let painted: Vec<&Path> = painted.iter().map(PathBuf::as_path).collect();
-    let mut layers = match layers {
+    let mut layers = match written.layers {
         Some(layers) => layers,
         None if is_auto => painted_layers(&painted)?,
         None if painted.is_empty() => Vec::new(),
@@ -84,8 +74,8 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, Error> {
     let maps: Vec<Examples> =
         all.into_iter().map(|map| examples(map, &layer_names, folder)).collect::<Result<_, _>>()?;
     let mut set = ViewSet {
-        name: name.or(stem).unwrap_or_default(),
-        size: image_size,
+        name: written.name.or(stem).unwrap_or_default(),
+        size: written.image_size,
         layers: Vec::new(),
         maps,
     };
@@ -98,15 +88,15 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, Error> {
                 "there are no vertices under \"mesh_vertex_index\": list that of each point",
             )
         };
-        add_depths(&mut set, mesh, &mesh_vertex_index.ok_or_else(missing)?)?;
+        add_depths(&mut set, mesh, &written.mesh_vertex_index.ok_or_else(missing)?)?;
     }
-    let auto = if has_layers {
-        let (layers, auto) = layered(&set, layers)?;
-        set.layers = layers;
-        auto
+    let auto;
+    (set.layers, auto) = if has_layers {
+        layered(&set, layers)?
     } else {
-        set.layers = vec![single(&set, &polygons)?];
-        if is_auto { vec![0] } else { Vec::new() }
+        let elements = checked_elements(&set, &written.elements)?;
+        let layer = Layer::whole(&set.name, set.point_len(), elements);
+        (vec![layer], if is_auto { vec![0] } else { Vec::new() })
     };
     if is_proposed && set.has_depth() {
         let text = "proposed points have no depth: leave \"depth\" and the mesh out";
@@ -228,18 +218,17 @@ fn check_points(set: &ViewSet, is_proposed: bool) -> Result<(), Error> {
             return Err(wrong_len(&view, "points", expected, found));
         }
     }
-    for map in &set.maps {
-        let is_nowhere = |k: &usize| map.train.iter().all(|view| view.points[*k].is_none());
-        if let Some(point) = (0..expected).find(is_nowhere) {
-            return Err(nowhere(point, &map.name));
-        }
-    }
-    Ok(())
+    set.maps.iter().try_for_each(check_places)
 }
 
-/// Makes the error of a point without a position in any training view of a motion.
-pub(in crate::views) fn nowhere(point: usize, map: &str) -> Error {
-    Error::missing(format!("point {point} has a place in no view of \"{map}\""))
+/// Checks that every point has a position in some training view of a motion.
+pub(in crate::views) fn check_places(map: &Examples) -> Result<(), Error> {
+    let len = map.train.first().map_or(0, |view| view.points.len());
+    let is_nowhere = |k: &usize| map.train.iter().all(|view| view.points[*k].is_none());
+    let nowhere = |point: usize| {
+        Error::missing(format!("point {point} has a place in no view of \"{}\"", map.name))
+    };
+    (0..len).find(is_nowhere).map_or(Ok(()), |point| Err(nowhere(point)))
 }
 
 /// Adds depths to training views without depths.
@@ -267,24 +256,16 @@ fn add_depths(set: &mut ViewSet, mesh: &Path, vertices: &[usize]) -> Result<(), 
     Ok(())
 }
 
-/// Makes the layer of a set without layers, with the given elements.
-fn single(set: &ViewSet, polygons: &[Vec<usize>]) -> Result<Layer, Error> {
-    Ok(Layer::whole(&set.name, set.point_len(), checked_elements(set, polygons)?))
-}
-
-/// Finds the affine projection of K positions that is nearest to the known points of a view. The rows give x and y, and
-/// the last column is the offset.
+/// Computes the depths of K positions in a view, in its pixels, growing away from the viewer. Depth is measured
+/// orthogonal to the x and y of the affine projection that is nearest to the known points of the view.
 ///
 /// # Errors
 /// [`ErrorKind::Fit`](crate::ErrorKind::Fit): the known points do not determine a projection.
-fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4<f64>, Error> {
-    let known: Vec<(usize, [f64; 2])> =
-        view.points.iter().enumerate().filter_map(|(k, point)| Some((k, (*point)?))).collect();
-    let row = |(k, _): &(usize, [f64; 2])| {
-        let [x, y, z] = positions[*k];
-        RowVector4::new(x, y, z, 1.0)
-    };
-    let a = DMatrix::from_fn(known.len(), 4, |i, c| row(&known[i])[c]);
+fn depths(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Vec<f64>, Error> {
+    let known: Vec<(&[f64; 3], [f64; 2])> =
+        positions.iter().zip(&view.points).filter_map(|(p, point)| Some((p, (*point)?))).collect();
+    // The last column gives the offset.
+    let a = DMatrix::from_fn(known.len(), 4, |i, c| known[i].0.get(c).copied().unwrap_or(1.0));
     let b = DMatrix::from_fn(known.len(), 2, |i, c| known[i].1[c]);
     let svd = a.svd(true, true);
     let undetermined = || not_triangulated(named, "they do not determine a projection of the mesh");
@@ -292,17 +273,7 @@ fn project(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Matrix2x4
         return Err(undetermined());
     }
     let found = svd.solve(&b, 0.0).map_err(|_| undetermined())?;
-    Ok(Matrix2x4::from_fn(|r, c| found[(c, r)]))
-}
-
-/// Computes the depths of K positions in a view, in its pixels, growing away from the viewer. Depth is measured
-/// orthogonal to the x and y of the nearest affine projection.
-///
-/// # Errors
-/// The error of [`project`].
-fn depths(view: &View, positions: &[[f64; 3]], named: &str) -> Result<Vec<f64>, Error> {
-    let projection = project(view, positions, named)?;
-    let [x, y] = [0, 1].map(|r| Vector3::from_fn(|c, _| projection[(r, c)]));
+    let [x, y] = [0, 1].map(|axis| Vector3::from_fn(|c, _| found[(c, axis)]));
     // The product of right and down points away. Its length is that of a pixel, squared.
     let away = x.cross(&y) / (x.norm() * y.norm()).sqrt();
     Ok(positions.iter().map(|p| away.dot(&Vector3::from(*p))).collect())

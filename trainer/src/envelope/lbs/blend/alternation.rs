@@ -1,6 +1,6 @@
 //! Fit of maps to given weights, and the alternation between weights and maps.
 
-use super::items::{Items, Maps, Supports, Weights};
+use super::items::{Items, Supports, Weights};
 use super::weights::fit_weights;
 use crate::numeric::columns;
 use faer::prelude::*;
@@ -15,18 +15,18 @@ const CHUNKS: usize = 4;
 /// Problem whose weights and maps are fitted in turn.
 pub trait InTurn {
     /// Fits weights to maps. Returns the weights and their squared error.
-    fn weights(&self, maps: &Maps, supports: Supports<'_>) -> (Weights, f64);
+    fn weights(&self, maps: &Mat<f64>, supports: Supports<'_>) -> (Weights, f64);
     /// Fits maps to weights, starting from the maps `from`.
-    fn maps(&self, weights: &Weights, from: &Maps) -> Maps;
+    fn maps(&self, weights: &Weights, from: &Mat<f64>) -> Mat<f64>;
 }
 
 impl InTurn for Items<'_> {
-    fn weights(&self, maps: &Maps, supports: Supports<'_>) -> (Weights, f64) {
+    fn weights(&self, maps: &Mat<f64>, supports: Supports<'_>) -> (Weights, f64) {
         let (weights, errors) = fit_weights(self, maps, supports);
         (weights, self.sum(&errors))
     }
 
-    fn maps(&self, weights: &Weights, from: &Maps) -> Maps {
+    fn maps(&self, weights: &Weights, from: &Mat<f64>) -> Mat<f64> {
         fit_maps(self, weights, from, PROXIMAL)
     }
 }
@@ -36,7 +36,7 @@ pub struct Blend {
     /// Weights of the items.
     pub weights: Weights,
     /// Fitted maps.
-    pub maps: Maps,
+    pub maps: Mat<f64>,
     /// Squared error, summed over the items and weighted by importance.
     pub error: f64,
 }
@@ -69,10 +69,10 @@ impl Alternation {
     pub fn run(
         &self,
         fit: &impl InTurn,
-        (others, maps): (&Weights, Maps),
+        (others, maps): (&Weights, Mat<f64>),
         most: usize,
         advance: impl Fn(),
-    ) -> (Weights, Maps) {
+    ) -> (Weights, Mat<f64>) {
         let mut state = Round::first(others.clone(), maps);
         for round in 0..self.count() {
             let last = &state.weights;
@@ -88,7 +88,13 @@ impl Alternation {
     }
 
     /// Fits items with at most `most` maps each, from starting maps only.
-    pub fn blend(&self, items: &Items<'_>, maps: Maps, most: usize, advance: impl Fn()) -> Blend {
+    pub fn blend(
+        &self,
+        items: &Items<'_>,
+        maps: Mat<f64>,
+        most: usize,
+        advance: impl Fn(),
+    ) -> Blend {
         let (nearest, _) = items.weights(&maps, Supports::Free(most));
         let (weights, maps) = self.run(items, (&nearest, maps), most, advance);
         let (weights, error) = items.weights(&maps, Supports::Fixed(&weights));
@@ -101,9 +107,8 @@ impl Alternation {
 /// - `previous`: target of the proximal term.
 /// - `pull`: weight of the proximal term, as a share of the mean diagonal. The term decides directions that the items
 ///   leave open: a map without items, or the normal of a flat patch. It also keeps the system positive definite.
-pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64) -> Maps {
-    let m = items.width;
-    let (size, rank) = (previous.columns.ncols(), items.y.nrows());
+pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Mat<f64>, pull: f64) -> Mat<f64> {
+    let (size, rank) = (previous.ncols(), items.y.nrows());
     let chunk = items.len().div_ceil(CHUNKS).max(1);
     let parts: Vec<(Mat<f64>, Mat<f64>)> = (0..items.len().div_ceil(chunk))
         .into_par_iter()
@@ -129,13 +134,12 @@ pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Maps, pull: f64
     for i in 0..size {
         normal[(i, i)] += proximal;
     }
-    right += faer::Scale(proximal) * &previous.columns;
-    let columns = match normal.llt(Side::Lower) {
+    right += faer::Scale(proximal) * previous;
+    match normal.llt(Side::Lower) {
         Ok(factor) => factor.solve(right.transpose()).transpose().to_owned(),
         // Only rounding can make the system indefinite. The maps then stay unchanged.
-        Err(_) => previous.columns.clone(),
-    };
-    Maps { width: m, columns }
+        Err(_) => previous.clone(),
+    }
 }
 
 fn accumulate(
@@ -173,15 +177,15 @@ struct Round {
     /// Squared error before the maps were fitted.
     error: f64,
     /// Fitted maps.
-    maps: Maps,
+    maps: Mat<f64>,
     /// Start of the next round.
-    start: Maps,
+    start: Mat<f64>,
     /// Number of rounds since the last restart.
     steps: f64,
 }
 
 impl Round {
-    fn first(weights: Weights, maps: Maps) -> Self {
+    fn first(weights: Weights, maps: Mat<f64>) -> Self {
         Self { weights, error: f64::INFINITY, start: maps.clone(), maps, steps: 0.0 }
     }
 
@@ -194,8 +198,7 @@ impl Round {
         }
         let maps = fit.maps(&weights, &self.start);
         let step = momentum * self.steps / (self.steps + 3.0);
-        let columns = &maps.columns + (&maps.columns - &self.maps.columns) * faer::Scale(step);
-        let start = Maps { width: maps.width, columns };
+        let start = &maps + (&maps - &self.maps) * faer::Scale(step);
         Self { weights, error, maps, start, steps: self.steps + 1.0 }
     }
 }

@@ -4,7 +4,7 @@ use crate::examples::Importance;
 use faer::Mat;
 use std::borrow::Cow;
 
-/// Items of a blend.
+/// Items of a blend. Their maps are side by side in a matrix, r x (l·m): columns l·m..l·m+m are map l.
 pub struct Items<'a> {
     /// Width m of a row.
     pub width: usize,
@@ -43,13 +43,8 @@ impl<'a> Items<'a> {
     }
 
     /// Returns the number of items.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.y.ncols() / self.rows
-    }
-
-    /// Returns whether there is no item.
-    pub fn is_empty(&self) -> bool {
-        self.y.ncols() == 0
     }
 
     /// Sums errors of the items, weighted by importance.
@@ -117,27 +112,6 @@ impl Pull<'_> {
     }
 }
 
-/// l maps side by side: r x (l·m).
-#[derive(Clone)]
-pub struct Maps {
-    /// Width m of a map.
-    pub width: usize,
-    /// Columns l·m..l·m+m are map l.
-    pub columns: Mat<f64>,
-}
-
-impl Maps {
-    /// Returns the number of maps.
-    pub fn len(&self) -> usize {
-        self.columns.ncols() / self.width
-    }
-
-    /// Returns whether there is no map.
-    pub fn is_empty(&self) -> bool {
-        self.columns.ncols() == 0
-    }
-}
-
 /// Weights of items on maps, at most K an item.
 #[derive(Clone, Debug)]
 pub struct Weights {
@@ -152,13 +126,8 @@ impl Weights {
     }
 
     /// Returns the number of items.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.entries.len() / self.most
-    }
-
-    /// Returns whether there is no item.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
     }
 
     /// Returns the maps and weights of an item with a weight above 0, strongest first.
@@ -195,6 +164,12 @@ impl Weights {
             }
         }
         out
+    }
+
+    /// Gives the maps other indices.
+    pub(crate) fn renumbered(&self, place: impl Fn(usize) -> usize) -> Self {
+        let of = |item| self.of(item).map(|(map, weight)| (place(map), weight)).collect();
+        Self::from_lists(self.most, (0..self.len()).map(of))
     }
 
     /// Creates weights from a list of (map, weight) for each item, strongest first. A list has at most `most` entries.

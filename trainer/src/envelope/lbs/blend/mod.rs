@@ -9,7 +9,7 @@ mod items;
 mod weights;
 
 pub use alternation::{Alternation, Blend, InTurn, fit_maps};
-pub use items::{Items, Maps, Pull, Supports, Weights};
+pub use items::{Items, Pull, Supports, Weights};
 pub use weights::{CANDIDATES, fit_weights};
 
 #[cfg(test)]
@@ -21,7 +21,7 @@ mod tests {
     use std::ops::Range;
 
     /// Makes items, maps and weights without any error.
-    fn exact(count: usize, rank: usize) -> (Vec<f64>, Mat<f64>, Maps, Vec<[f64; 3]>) {
+    fn exact(count: usize, rank: usize) -> (Vec<f64>, Mat<f64>, Mat<f64>, Vec<[f64; 3]>) {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let columns = Mat::from_fn(rank, 3 * 4, |_, _| random.random_range(-1.0..1.0));
         let mut h = Vec::new();
@@ -39,7 +39,7 @@ mod tests {
             h.extend(x);
             weights.push(w);
         }
-        (h, y, Maps { width: 4, columns }, weights)
+        (h, y, columns, weights)
     }
 
     #[test]
@@ -67,10 +67,9 @@ mod tests {
         let mut numbers = |rows, columns| {
             Mat::<f64>::from_fn(rows, columns, |_, _| random.random_range(-1.0..1.0))
         };
-        let (y, columns) = (numbers(rank, count), numbers(rank, 4 * maps));
+        let (y, maps) = (numbers(rank, count), numbers(rank, 4 * maps));
         let h = (0..count).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
         let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
-        let maps = Maps { width: 4, columns };
         let (chosen, of_chosen) = fit_weights(&items, &maps, Supports::Free(3));
         let random_ones = (0..count).map(|i| [7, 11, 13].map(|k| (i * k % 30, 1.0 / 3.0)).to_vec());
         let start = Weights::from_lists(3, random_ones);
@@ -84,12 +83,11 @@ mod tests {
     }
 
     /// Computes the cost of weights: squared error and pull.
-    fn cost(items: &Items<'_>, maps: &Maps, item: usize, weights: &[f64]) -> f64 {
+    fn cost(items: &Items<'_>, maps: &Mat<f64>, item: usize, weights: &[f64]) -> f64 {
         let h = items.row(item);
         let error = |row: usize| {
-            let blended: f64 = (0..maps.columns.ncols())
-                .map(|k| weights[k / 4] * h[k % 4] * maps.columns[(row, k)])
-                .sum();
+            let blended: f64 =
+                (0..maps.ncols()).map(|k| weights[k / 4] * h[k % 4] * maps[(row, k)]).sum();
             (blended - items.y[(row, item)]).powi(2)
         };
         let Pull { to, joints, strength } = items.pull.unwrap();
@@ -108,14 +106,13 @@ mod tests {
         let mut numbers = |rows, columns| {
             Mat::<f64>::from_fn(rows, columns, |_, _| random.random_range(-1.0..1.0))
         };
-        let (y, columns, prior) = (numbers(40, 50), numbers(40, 4 * 8), numbers(4, 50));
+        let (y, maps, prior) = (numbers(40, 50), numbers(40, 4 * 8), numbers(4, 50));
         let sum = |item: usize| (0..4).map(|j| prior[(j, item)].abs()).sum::<f64>();
         let prior = Mat::from_fn(4, 50, |j, item| prior[(j, item)].abs() / sum(item));
         // Two maps a joint.
         let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 0, 1, 2, 3], strength: 5.0 };
         let h = (0..50).flat_map(|_| [0.3, -0.2, 0.5, 1.0]).collect();
         let items = Items { pull: Some(pull), ..Items::new([4, 1], h, &y, Importance::UNIFORM) };
-        let maps = Maps { width: 4, columns };
         // All eight maps are candidates, so the fit finds the least cost.
         let (weights, _) = fit_weights(&items, &maps, Supports::Free(8));
         for item in 0..50 {
@@ -133,9 +130,9 @@ mod tests {
 
     #[test]
     fn the_prior_decides_between_equal_maps() {
-        let (h, y, Maps { width, columns }, truth) = exact(300, 30);
+        let (h, y, maps, truth) = exact(300, 30);
         // Each map twice.
-        let maps = Maps { width, columns: faer::concat![[&columns, &columns]] };
+        let maps = faer::concat![[&maps, &maps]];
         let prior =
             Mat::from_fn(6, 300, |map, item| f64::from(u8::from((map < 3) == (item < 150))) / 3.0);
         let pull = Pull { to: &prior, joints: &[0, 1, 2, 3, 4, 5], strength: 1e-9 };
@@ -156,9 +153,9 @@ mod tests {
         let (h, y, maps, truth) = exact(300, 30);
         let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
         let lists = truth.iter().map(|w| w.iter().copied().enumerate().collect());
-        let start = Maps { width: 4, columns: Mat::zeros(30, 12) };
+        let start = Mat::zeros(30, 12);
         let fitted = fit_maps(&items, &Weights::from_lists(3, lists), &start, 1e-7);
-        assert!((fitted.columns - &maps.columns).norm_max() < 1e-4);
+        assert!((fitted - &maps).norm_max() < 1e-4);
 
         // The first map is fixed. The others are fitted to the rest of the motion.
         let lists = |own: Range<usize>| {
@@ -166,21 +163,18 @@ mod tests {
             Weights::from_lists(3, truth.iter().map(of).collect::<Vec<_>>().into_iter())
         };
         let (fixed, open) = (lists(0..1), lists(1..3));
-        let fixed = Some((&fixed, &maps.columns));
+        let fixed = Some((&fixed, &maps));
         let items = Items { fixed, ..items };
-        let start = Maps { width: 4, columns: Mat::zeros(30, 8) };
-        let fitted = fit_maps(&items, &open, &start, 1e-7).columns;
-        assert!((fitted - maps.columns.subcols(4, 8)).norm_max() < 1e-4);
+        let start = Mat::zeros(30, 8);
+        let fitted = fit_maps(&items, &open, &start, 1e-7);
+        assert!((fitted - maps.subcols(4, 8)).norm_max() < 1e-4);
     }
 
     #[test]
     fn momentum_lowers_the_error() {
         let (h, y, maps, _) = exact(300, 30);
         let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
-        let start = Maps {
-            columns: &maps.columns + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin()),
-            ..maps
-        };
+        let start = &maps + Mat::from_fn(30, 12, |r, c| ((7 * r + c) as f64).sin());
         let error = |momentum| {
             let alternation = Alternation { choices: 20, every: 1, rounds: 10, momentum };
             let blend = alternation.blend(&items, start.clone(), 3, || ());
@@ -198,8 +192,8 @@ mod tests {
         let items = Items::new([4, 1], h, &y, Importance::UNIFORM);
         let lists = truth.iter().map(|_| vec![(0, 1.0)]);
         let fitted = fit_maps(&items, &Weights::from_lists(1, lists), &maps, 1e-7);
-        let change = fitted.columns.subcols(4, 8) - maps.columns.subcols(4, 8);
+        let change = fitted.subcols(4, 8) - maps.subcols(4, 8);
         assert!(change.norm_max() < 1e-12);
-        assert!((fitted.columns.subcols(0, 4) - maps.columns.subcols(0, 4)).norm_max() > 1e-3);
+        assert!((fitted.subcols(0, 4) - maps.subcols(0, 4)).norm_max() > 1e-3);
     }
 }

@@ -1,6 +1,6 @@
 //! Fit of weights to given maps.
 
-use super::items::{Items, Maps, Pull, PullTerm, Supports, Weights};
+use super::items::{Items, Pull, PullTerm, Supports, Weights};
 use crate::numeric::columns;
 use crate::numeric::columns::dot_by_lanes;
 use crate::numeric::simplex::{self, Gram, MAX_COLUMNS};
@@ -19,13 +19,17 @@ const LEAST: f64 = 1e-3;
 /// Items of a block, which share one matrix product.
 const BLOCK: usize = 256;
 
-/// Fits the weights of every item to given maps. Returns the weights and the squared error of each item.
-pub fn fit_weights(items: &Items<'_>, maps: &Maps, supports: Supports<'_>) -> (Weights, Vec<f64>) {
-    let products = Products::new(maps);
+/// Fits the weights of every item to given maps, r x (l·m). Returns the weights and the squared error of each item.
+pub fn fit_weights(
+    items: &Items<'_>,
+    maps: &Mat<f64>,
+    supports: Supports<'_>,
+) -> (Weights, Vec<f64>) {
+    let products = Products::new(items.width, maps);
     let of_block = |block: usize| {
         let range = block * BLOCK..((block + 1) * BLOCK).min(items.len());
         let onto = products.onto(items, range.clone(), supports);
-        let of_items = onto.chunks_exact(items.rows * maps.columns.ncols());
+        let of_items = onto.chunks_exact(items.rows * maps.ncols());
         let fit = |(item, onto)| ItemFit::new(items, item, &products, onto).run(supports);
         range.zip(of_items).map(fit).collect()
     };
@@ -46,11 +50,11 @@ struct Products {
 }
 
 impl Products {
-    fn new(Maps { width: m, columns }: &Maps) -> Self {
+    fn new(m: usize, columns: &Mat<f64>) -> Self {
         let (size, len, square) = (columns.ncols(), columns.ncols() / m, m * m);
         let mut pairs = vec![0.0; size * size];
         pairs.par_chunks_mut(size * m).enumerate().for_each(|(map, out)| {
-            let products = columns.transpose() * columns.subcols(m * map, *m);
+            let products = columns.transpose() * columns.subcols(m * map, m);
             for (other, out) in out.chunks_exact_mut(square).enumerate() {
                 let entry = |k: usize| products[(m * other + k % m, k / m)];
                 out.iter_mut().enumerate().for_each(|(k, out)| *out = entry(k));

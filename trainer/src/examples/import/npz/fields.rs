@@ -4,7 +4,7 @@ use super::sidecar::Sidecar;
 use crate::Error;
 use crate::examples::validate::{empty, out_of_range, same};
 use crate::examples::{Clip, RATES, Split};
-use crate::formats::npz::{Archive, Number, missing};
+use crate::formats::npz::{Archive, Number, Rows, missing};
 use crate::mesh::EngineMesh;
 use sinew_runtime::format::{Axis, Handedness, Space};
 use std::ops::Range;
@@ -29,8 +29,8 @@ pub(super) struct Faces {
     pub(super) counts: [Option<usize>; 2],
 }
 
-/// Names and ranges, in order.
-pub(super) type Runs = Vec<(String, Range<usize>)>;
+/// Names of consecutive ranges of frames or vertices.
+type Runs = Vec<(String, Range<usize>)>;
 
 /// Kind of consecutive ranges in a file.
 pub(super) struct RunKind {
@@ -105,13 +105,10 @@ pub(super) fn read_clips(
     file: &Path,
     frame_len: usize,
 ) -> Result<(Vec<Clip>, Option<f64>), Error> {
-    let (names, starts) = (sidecar.clip_names.as_ref(), sidecar.clip_starts.as_ref());
-    let runs = read_runs(archive, &CLIPS, names, starts, frame_len)?;
+    let stated = (&sidecar.clip_names, &sidecar.clip_starts);
+    let runs = read_runs(archive, &CLIPS, stated, frame_len)?;
     let runs = runs.unwrap_or_else(|| vec![(Clip::name_of(file), 0..frame_len)]);
-    let numbers = archive.rows::<i64, 1>("frame_numbers", &[])?.map(|numbers| numbers.data);
-    if let Some(numbers) = &numbers {
-        same("frames", "vertices", frame_len, "frame_numbers", numbers.len())?;
-    }
+    let numbers = read_each::<i64>(archive, "frame_numbers", ("frames", "vertices", frame_len))?;
     let fps = sidecar.fps.map_or_else(|| archive.number("fps"), |fps| Ok(Some(fps)))?;
     if let Some(fps) = fps.filter(|fps| !RATES.contains(fps)) {
         return Err(Error::value(format!(
@@ -123,10 +120,7 @@ pub(super) fn read_clips(
     let clip = |(name, frames): (String, Range<usize>)| {
         let mut clip = match &numbers {
             None => Clip::regular(name, frames.start, frames.len()),
-            Some(numbers) => {
-                let numbers = ascending(numbers.as_flattened(), &frames)?;
-                Clip::numbered(name, frames.start, numbers)
-            }
+            Some(numbers) => Clip::numbered(name, frames.start, ascending(numbers, &frames)?),
         };
         if let Some(fps) = fps {
             clip.play_at(fps);
@@ -134,19 +128,6 @@ pub(super) fn read_clips(
         Ok(clip)
     };
     Ok((runs.into_iter().map(clip).collect::<Result<_, Error>>()?, fps))
-}
-
-/// Reads the names and ranges of the joined meshes; empty if not given.
-///
-/// # Errors
-/// As [`read_runs`].
-pub(super) fn read_meshes(
-    archive: &mut Archive,
-    sidecar: &Sidecar,
-    vertex_len: usize,
-) -> Result<Runs, Error> {
-    let (names, starts) = (sidecar.mesh_names.as_ref(), sidecar.mesh_starts.as_ref());
-    Ok(read_runs(archive, &MESHES, names, starts, vertex_len)?.unwrap_or_default())
 }
 
 /// Reads joint weights, V x J.
@@ -157,21 +138,12 @@ pub(super) fn read_joint_weights(
     archive: &mut Archive,
     [vertex_len, joint_len]: [usize; 2],
 ) -> Result<Option<Vec<f64>>, Error> {
-    let Some(rows) = archive.rows::<f64, 1>("joint_weights", &[0])? else { return Ok(None) };
-    same("vertices", "rest", vertex_len, "joint_weights", rows.lead[0])?;
-    same("joints", "bone_names", joint_len, "joint_weights", rows.lead[1])?;
-    Ok(Some(rows.data.into_iter().flatten().collect()))
-}
-
-/// Reads the importance of vertices, V.
-///
-/// # Errors
-/// The array cannot be read, or has another count.
-pub(super) fn read_importance(
-    archive: &mut Archive,
-    vertex_len: usize,
-) -> Result<Option<Vec<f64>>, Error> {
-    read_each(archive, "importance", ("vertices", "rest", vertex_len))
+    let rows = archive.rows::<f64, 1>("joint_weights", &[0])?;
+    if let Some(rows) = &rows {
+        same("vertices", "rest", vertex_len, "joint_weights", rows.lead[0])?;
+        same("joints", "bone_names", joint_len, "joint_weights", rows.lead[1])?;
+    }
+    Ok(flat(rows))
 }
 
 /// Reads the use of each frame, N.
@@ -193,17 +165,6 @@ pub(super) fn read_split(
     split.collect::<Result<_, _>>().map(Some)
 }
 
-/// Reads the weights of frames, N.
-///
-/// # Errors
-/// The array cannot be read, or has another count.
-pub(super) fn read_frame_weights(
-    archive: &mut Archive,
-    frame_len: usize,
-) -> Result<Option<Vec<f64>>, Error> {
-    read_each(archive, "frame_weights", ("frames", "vertices", frame_len))
-}
-
 /// Reads axes, handedness and unit; the JSON takes precedence over the arrays.
 ///
 /// # Errors
@@ -213,15 +174,12 @@ pub(super) fn read_space(archive: &mut Archive, sidecar: &Sidecar) -> Result<Spa
         Some(word) => Ok(Some(word.clone())),
         None => archive.text(array),
     };
-    let up = word("up", &sidecar.up)?.map(|word| axis("up", &word)).transpose()?;
-    let forward =
-        word("forward", &sidecar.forward)?.map(|word| axis("forward", &word)).transpose()?;
+    let up = axis("up", word("up", &sidecar.up)?)?;
+    let forward = axis("forward", word("forward", &sidecar.forward)?)?;
     let handedness = match word("handedness", &sidecar.handedness)?.as_deref() {
         None | Some("right") => Handedness::Right,
         Some("left") => Handedness::Left,
-        Some(found) => {
-            return Err(unknown_word("handedness", found, "right or left"));
-        }
+        Some(found) => return Err(unknown_word("handedness", found, "right or left")),
     };
     let unit = sidecar.unit.map_or_else(|| archive.number("unit"), |unit| Ok(Some(unit)))?;
     Ok(Space { up, forward, handedness, unit: unit.map(|metres| metres as f32) })
@@ -230,29 +188,29 @@ pub(super) fn read_space(archive: &mut Archive, sidecar: &Sidecar) -> Result<Spa
 /// Reads consecutive named ranges that cover `len` frames or vertices. The JSON takes precedence over the arrays.
 /// `None` if neither exists.
 ///
+/// - `names`, `starts`: names and starts in the JSON.
+///
 /// # Errors
 /// An array cannot be read, names and starts differ in number, or a range does not start after the previous one.
 pub(super) fn read_runs(
     archive: &mut Archive,
     kind: &RunKind,
-    names: Option<&Vec<String>>,
-    starts: Option<&Vec<i64>>,
+    (names, starts): (&Option<Vec<String>>, &Option<Vec<i64>>),
     len: usize,
 ) -> Result<Option<Runs>, Error> {
-    let names =
-        names.cloned().map_or_else(|| archive.texts(kind.names), |names| Ok(Some(names)))?;
+    let names = match names {
+        Some(names) => Some(names.clone()),
+        None => archive.texts(kind.names)?,
+    };
     let starts = match starts {
         Some(starts) => Some(starts.clone()),
-        None => archive
-            .rows::<i64, 1>(kind.starts, &[])?
-            .map(|starts| starts.data.as_flattened().to_vec()),
+        None => flat(archive.rows(kind.starts, &[])?),
     };
-    let (names, starts) = match (names, starts) {
-        (None, None) => return Ok(None),
-        (None, Some(_)) => return Err(missing(kind.names)),
-        (Some(_), None) => return Err(missing(kind.starts)),
-        (Some(names), Some(starts)) => (names, starts),
-    };
+    if names.is_none() && starts.is_none() {
+        return Ok(None);
+    }
+    let names = names.ok_or_else(|| missing(kind.names))?;
+    let starts = starts.ok_or_else(|| missing(kind.starts))?;
     same(kind.what, kind.names, names.len(), kind.starts, starts.len())?;
     if names.is_empty() {
         return Err(empty(kind.names));
@@ -287,9 +245,16 @@ pub(super) fn read_each<T: Number>(
     array: &'static str,
     (things, of, len): (&'static str, &'static str, usize),
 ) -> Result<Option<Vec<T>>, Error> {
-    let Some(numbers) = archive.rows::<T, 1>(array, &[])? else { return Ok(None) };
-    same(things, of, len, array, numbers.data.len())?;
-    Ok(Some(numbers.data.into_iter().map(|[number]| number).collect()))
+    let numbers = flat(archive.rows(array, &[])?);
+    if let Some(numbers) = &numbers {
+        same(things, of, len, array, numbers.len())?;
+    }
+    Ok(numbers)
+}
+
+/// Returns the numbers of an array.
+fn flat<T>(rows: Option<Rows<T, 1>>) -> Option<Vec<T>> {
+    rows.map(|rows| rows.data.into_flattened())
 }
 
 fn corners<const K: usize>(
@@ -298,14 +263,10 @@ fn corners<const K: usize>(
     corners: &[i64; K],
     vertex_len: usize,
 ) -> Result<[usize; K], Error> {
-    let mut checked = [0; K];
-    for (corner, &vertex) in checked.iter_mut().zip(corners) {
-        match usize::try_from(vertex) {
-            Ok(inside) if inside < vertex_len => *corner = inside,
-            _ => return Err(out_of_range(array, face, vertex, vertex_len)),
-        }
+    match corners.iter().find(|corner| !(0..vertex_len as i64).contains(*corner)) {
+        Some(vertex) => Err(out_of_range(array, face, vertex, vertex_len)),
+        None => Ok(corners.map(|vertex| vertex as usize)),
     }
-    Ok(checked)
 }
 
 /// Returns the frame numbers of a clip, which must ascend and fit 32 bits like those of animation programs.
@@ -325,9 +286,10 @@ fn ascending(numbers: &[i64], frames: &Range<usize>) -> Result<Vec<i64>, Error> 
     Ok(numbers.to_vec())
 }
 
-fn axis(array: &str, found: &str) -> Result<Axis, Error> {
+fn axis(array: &str, found: Option<String>) -> Result<Option<Axis>, Error> {
+    let Some(found) = found else { return Ok(None) };
     let named = Axis::ALL.into_iter().find(|axis| axis.name() == found);
-    named.ok_or_else(|| unknown_word(array, found, "x, -x, y, -y, z or -z"))
+    named.ok_or_else(|| unknown_word(array, &found, "x, -x, y, -y, z or -z")).map(Some)
 }
 
 fn unknown_word(array: &str, found: &str, expected: &str) -> Error {

@@ -36,14 +36,15 @@ use std::path::Path;
 pub use save::save_npz;
 
 use self::fields::{
-    FACES, read_clips, read_faces, read_frame_weights, read_importance, read_joint_weights,
-    read_meshes, read_space, read_split, read_texture,
+    FACES, MESHES, read_clips, read_each, read_faces, read_joint_weights, read_runs, read_space,
+    read_split, read_texture,
 };
 use self::sidecar::{Parent, Sidecar};
 use super::clips::{selected, selected_rows};
 use super::joined::Loaded;
 use super::source::meshes_alone;
 use crate::Error;
+use crate::examples::data::translation;
 use crate::examples::distortion::REPAIRABLE;
 use crate::examples::joints::join_roots;
 use crate::examples::validate::{missing_parent, not_rigid, same};
@@ -61,15 +62,8 @@ use crate::formats::scene::Sampling;
 /// A file cannot be read, lacks an array, has an array of another type or shape, or fails [`Examples::validate`]; the
 /// error names the file.
 pub fn load(path: &Path) -> Result<Loaded, Error> {
-    load_clips(path, &Sampling { fps: None, clips: &[], shapes: true, still: false, played: false })
-}
-
-/// Loads the requested clips like [`load`].
-///
-/// # Errors
-/// As [`load`]; also if a requested clip does not exist.
-pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, Error> {
-    Ok(open(path, sampling)?.0)
+    let all = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+    Ok(load_clips(path, &all)?.0)
 }
 
 /// Loads the requested clips to be played, at the requested rate or at the file's rate.
@@ -77,7 +71,7 @@ pub(super) fn load_clips(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded,
 /// # Errors
 /// As [`load_clips`].
 pub(super) fn load_played(path: &Path, sampling: &Sampling<'_>) -> Result<Loaded, Error> {
-    let (mut loaded, rate) = open(path, sampling)?;
+    let (mut loaded, rate) = load_clips(path, sampling)?;
     match sampling.fps {
         Some(fps) => loaded.clips.iter_mut().for_each(|clip| clip.play_at(fps)),
         None if rate.is_none() && loaded.clips.iter().any(|clip| clip.times.len() > 1) => {
@@ -103,8 +97,14 @@ pub(super) fn read_posed_meshes(path: &Path) -> Result<(PosedMeshes, Option<Vec<
     Ok((PosedMeshes { rest, triangles, ..PosedMeshes::bare(vertex_len, vertices) }, split))
 }
 
-/// Loads examples, and the frame rate if given.
-fn open(path: &Path, sampling: &Sampling<'_>) -> Result<(Loaded, Option<f64>), Error> {
+/// Loads the requested clips like [`load`], and the frame rate if given.
+///
+/// # Errors
+/// As [`load`]; also if a requested clip does not exist.
+pub(super) fn load_clips(
+    path: &Path,
+    sampling: &Sampling<'_>,
+) -> Result<(Loaded, Option<f64>), Error> {
     let beside = path.with_extension("json");
     let sidecar = Sidecar::read(&beside).map_err(|error| error.in_file(&beside))?;
     let archive = Archive::open(path);
@@ -139,7 +139,10 @@ fn read(
     let (clips, fps) = read_clips(&mut archive, sidecar, path, frame_len)?;
 
     let mut warnings = Vec::new();
-    let names = read_names(&mut archive, sidecar)?;
+    let names = match &sidecar.bone_names {
+        Some(names) => names.clone(),
+        None => archive.texts("bone_names")?.ok_or_else(|| missing("bone_names"))?,
+    };
     same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
     let (parents, roots) = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
     let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
@@ -148,10 +151,12 @@ fn read(
     }
     let split = read_split(&mut archive, frame_len)?;
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
-    let ranges = read_meshes(&mut archive, sidecar, rest.len())?;
+    let stated = (&sidecar.mesh_names, &sidecar.mesh_starts);
+    let ranges = read_runs(&mut archive, &MESHES, stated, rest.len())?.unwrap_or_default();
     let joint_weights = read_joint_weights(&mut archive, [rest.len(), joint_len])?;
-    let importance = read_importance(&mut archive, rest.len())?;
-    let weights = read_frame_weights(&mut archive, frame_len)?;
+    let importance = read_each(&mut archive, "importance", ("vertices", "rest", rest.len()))?;
+    let weights =
+        read_each::<f64>(&mut archive, "frame_weights", ("frames", "vertices", frame_len))?;
     let space = read_space(&mut archive, sidecar)?;
 
     let known = clips.iter().map(|clip| clip.name.clone()).collect();
@@ -166,12 +171,11 @@ fn read(
     let transforms = transforms.map_err(|error| numbered(error, &clips))?;
     drop(matrices);
 
-    let identity = translation([0.0; 3]);
     let rest_frames = match &frames {
         Some(frames) => affine(&frames.data, None, &names)?,
-        None => vec![identity; joint_len],
+        None => vec![translation([0.0; 3]); joint_len],
     };
-    let skeleton = Skeleton { names, parents, roots, unplaced: Vec::new(), rest: rest_frames };
+    let skeleton = Skeleton { names, parents, roots, rest: rest_frames, ..Skeleton::default() };
     let mut examples = Examples {
         rest,
         triangles: faces.triangles,
@@ -184,9 +188,7 @@ fn read(
         clip_starts: clips.iter().map(|clip| clip.first).collect(),
         space,
         joint_weights,
-        importance: None,
-        frame_weights: None,
-        own_skin: false,
+        ..Examples::default()
     };
     if let Some(importance) = importance {
         examples.weigh(importance)?;
@@ -202,13 +204,6 @@ fn read(
     warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
     examples.place_joints();
     Ok((Loaded { examples, clips, warnings }, fps))
-}
-
-fn read_names(archive: &mut Archive, sidecar: &Sidecar) -> Result<Vec<String>, Error> {
-    match &sidecar.bone_names {
-        Some(names) => Ok(names.clone()),
-        None => archive.texts("bone_names")?.ok_or_else(|| missing("bone_names")),
-    }
 }
 
 /// Reads the parent of each joint, and makes the first root the parent of the other roots. Also returns the other
@@ -231,14 +226,14 @@ fn read_parents(
     for (joint, parent) in names.iter().zip(parents) {
         found.push(match parent {
             None | Some(Parent::Number(-1)) => None,
-            Some(Parent::Number(number)) => match usize::try_from(number) {
-                Ok(inside) if inside < names.len() => Some(inside),
-                _ => return Err(missing_parent(joint, &number.to_string())),
-            },
-            Some(Parent::Name(name)) => match names.iter().position(|other| *other == name) {
-                Some(number) => Some(number),
-                None => return Err(missing_parent(joint, &name)),
-            },
+            Some(Parent::Number(number)) => {
+                let inside = usize::try_from(number).ok().filter(|&inside| inside < names.len());
+                Some(inside.ok_or_else(|| missing_parent(joint, number))?)
+            }
+            Some(Parent::Name(name)) => {
+                let number = names.iter().position(|other| *other == name);
+                Some(number.ok_or_else(|| missing_parent(joint, name))?)
+            }
         });
     }
     Ok(join_roots(names, found, warnings))
@@ -267,24 +262,18 @@ fn affine(
 
 /// Sets the rest positions given in the JSON; marks other joints as unplaced.
 fn place(skeleton: &mut Skeleton, sidecar: &Sidecar) -> Result<(), Error> {
-    let has_position =
-        |joint: &usize| sidecar.joint_rest_positions.contains_key(&skeleton.names[*joint]);
-    skeleton.unplaced = (0..skeleton.names.len()).filter(|joint| !has_position(joint)).collect();
+    let is_unplaced =
+        |joint: &usize| !sidecar.joint_rest_positions.contains_key(&skeleton.names[*joint]);
+    skeleton.unplaced = (0..skeleton.names.len()).filter(is_unplaced).collect();
     for (name, &position) in &sidecar.joint_rest_positions {
-        match skeleton.names.iter().position(|joint| joint == name) {
-            Some(joint) => skeleton.rest[joint] = translation(position),
-            None => {
-                return Err(Error::missing(format!(
-                    "joint_rest_positions names joint {name}, which does not exist"
-                )));
-            }
-        }
+        let Some(joint) = skeleton.names.iter().position(|joint| joint == name) else {
+            return Err(Error::missing(format!(
+                "joint_rest_positions names joint {name}, which does not exist"
+            )));
+        };
+        skeleton.rest[joint] = translation(position);
     }
     Ok(())
-}
-
-fn translation([x, y, z]: [f64; 3]) -> Matrix3x4 {
-    [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]]
 }
 
 #[cfg(test)]

@@ -1,16 +1,15 @@
 //! Saves examples as NumPy arrays.
 
+use super::fields::{CLIPS, MESHES, RunKind};
+use crate::Error;
+use crate::examples::{Clip, Examples, Matrix3x4};
+use crate::files::PendingFile;
+use crate::formats::npz::Writer;
+use serde_json::json;
+use sinew_runtime::format::{Handedness, Space};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-
-use super::fields::{CLIPS, MESHES, RunKind};
-use super::sidecar::{Parent, Sidecar};
-use crate::Error;
-use crate::examples::{Clip, Examples, Matrix3x4, Split};
-use crate::files::PendingFile;
-use crate::formats::npz::Writer;
-use sinew_runtime::format::{Handedness, Space};
 
 /// Saves examples to `path` in double precision, without authored normals and tangents. Joint names and parents also go
 /// to the JSON beside it. Each file is written under a temporary name and renamed when complete, the JSON first. Equal
@@ -22,13 +21,10 @@ use sinew_runtime::format::{Handedness, Space};
 /// # Errors
 /// A file cannot be written; the error names the file.
 pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), Error> {
-    let skeleton = &examples.skeleton;
-    let number = |parent: &Option<usize>| Some(Parent::Number(parent_number(*parent)));
-    let sidecar = Sidecar {
-        bone_names: Some(skeleton.names.clone()),
-        bone_parents: Some(skeleton.own_parents().iter().map(number).collect()),
-        ..Sidecar::default()
-    };
+    let sidecar = json!({
+        "bone_names": examples.skeleton.names,
+        "bone_parents": parent_numbers(examples),
+    });
     replace(&path.with_extension("json"), |file| {
         let mut file = BufWriter::new(file);
         serde_json::to_writer_pretty(&mut file, &sidecar)?;
@@ -39,15 +35,9 @@ pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), 
 }
 
 fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()> {
-    let [v, n, j, t] = [
-        examples.vertex_len(),
-        examples.frame_len(),
-        examples.joint_len(),
-        examples.triangles.len(),
-    ]
-    .map(|len| len as u64);
+    let (v, n) = (examples.vertex_len() as u64, examples.frame_len() as u64);
+    let (j, t) = (examples.joint_len() as u64, examples.triangles.len() as u64);
     let mut archive = Writer::new(file);
-    let skeleton = &examples.skeleton;
     archive.numbers("rest", &[v, 3], examples.rest.as_flattened().iter().copied())?;
     let corners = examples.triangles.as_flattened().iter().map(|&vertex| vertex as i64);
     archive.numbers("tris", &[t, 3], corners)?;
@@ -61,11 +51,11 @@ fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()>
             archive.numbers("tris_uv", &[t, 3], corners)?;
         }
     }
-    let parents = skeleton.own_parents().into_iter().map(parent_number);
-    archive.numbers("bone_parents", &[j], parents)?;
-    archive.texts("bone_names", &skeleton.names)?;
-    archive.numbers("joint_world_rest", &[j, 4, 4], square(&skeleton.rest))?;
-    archive.numbers("split", &[n], examples.split.iter().map(|&split| code(split)))?;
+    archive.numbers("bone_parents", &[j], parent_numbers(examples).into_iter())?;
+    archive.texts("bone_names", &examples.skeleton.names)?;
+    archive.numbers("joint_world_rest", &[j, 4, 4], square(&examples.skeleton.rest))?;
+    // The variants have the order of the codes.
+    archive.numbers("split", &[n], examples.split.iter().map(|&split| split as u8))?;
     write_clips(&mut archive, clips)?;
     let meshes = examples.ranges.iter().map(|(name, range)| (name, range.start));
     write_runs(&mut archive, &MESHES, meshes)?;
@@ -126,20 +116,14 @@ fn square(maps: &[Matrix3x4]) -> impl Iterator<Item = f64> {
     maps.iter().flat_map(|map| map.iter().copied().chain([[0.0, 0.0, 0.0, 1.0]])).flatten()
 }
 
-fn parent_number(parent: Option<usize>) -> i64 {
-    parent.map_or(-1, |parent| parent as i64)
-}
-
-fn code(split: Split) -> u8 {
-    match split {
-        Split::Train => 0,
-        Split::HeldOut => 1,
-        Split::Extreme => 2,
-    }
+/// Returns the number of each joint's parent in the source, J; -1 for none.
+fn parent_numbers(examples: &Examples) -> Vec<i64> {
+    let parents = examples.skeleton.own_parents().into_iter();
+    parents.map(|parent| parent.map_or(-1, |parent| parent as i64)).collect()
 }
 
 fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), Error> {
     PendingFile::create(path)
-        .and_then(|mut part| write(part.file()).and_then(|()| part.finish()))
+        .and_then(|mut part| write(&mut part.file).and_then(|()| part.finish()))
         .map_err(|error| Error::write(error).in_file(path))
 }

@@ -1,57 +1,43 @@
 //! The JSON file beside the arrays.
 
+use crate::Error;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
-use crate::Error;
-
 /// Fields of the JSON: joints, clips, meshes and space; other fields are ignored.
-#[derive(Default, Serialize, Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Sidecar {
     /// Names of joints, J.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) bone_names: Option<Vec<String>>,
     /// Parents of joints, J; `null` or -1 is a root.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) bone_parents: Option<Vec<Option<Parent>>>,
     /// Rest origins in model space, by joint name.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub(super) joint_rest_positions: BTreeMap<String, [f64; 3]>,
     /// Names of clips, C.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) clip_names: Option<Vec<String>>,
     /// First frames of clips, C.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) clip_starts: Option<Vec<i64>>,
     /// Frames per second.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) fps: Option<f64>,
     /// Names of meshes, M.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) mesh_names: Option<Vec<String>>,
     /// First vertices of meshes, M.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) mesh_starts: Option<Vec<i64>>,
     /// Up axis of the character.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) up: Option<String>,
     /// Forward axis of the character.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) forward: Option<String>,
     /// `right` or `left`.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) handedness: Option<String>,
     /// Metres per unit of length.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) unit: Option<f64>,
 }
 
 /// A parent as written in a file.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Parent {
     /// Number of the joint; -1 for none.

@@ -179,7 +179,7 @@ fn picked(of_scene: &[(&str, usize)], of_file: &[(&str, usize)]) -> (Vec<usize>,
         own[0][0] as usize
     });
     let left_out = warnings.into_iter().flat_map(|warning| match warning {
-        Warning::TargetsLeftOut { meshes } => meshes,
+        Warning::TargetsLeftOut(meshes) => meshes,
         other => panic!("{other}"),
     });
     (numbers.collect(), left_out.collect())

@@ -2,7 +2,7 @@
 
 use super::super::scene::join;
 use super::super::targets::TargetMeshes;
-use crate::examples::{Clip, Examples, Split, Warning};
+use crate::examples::{Clip, Examples, Loaded, Split, Warning};
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::{SampledScene, Sampling};
 use crate::{Error, ErrorKind};
@@ -85,7 +85,8 @@ fn farthest(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
 #[test]
 fn targets_in_place_stay_as_they_are() {
     let (scene, posed) = limb();
-    let (examples, clips, warnings) = join(scene, Some(targets(posed.clone())), &KEYS).unwrap();
+    let Loaded { examples, clips, warnings } =
+        join(scene, Some(targets(posed.clone())), &KEYS).unwrap();
     assert_eq!(examples.vertices, posed);
     assert_eq!(warnings, []);
     assert_eq!(clips[0].times.len(), FRAMES);
@@ -96,7 +97,7 @@ fn targets_in_place_stay_as_they_are() {
 fn targets_in_other_axes_and_units_are_brought_to_the_joints() {
     let (scene, posed) = limb();
     let moved = posed.iter().copied().map(converted).collect();
-    let (examples, _, warnings) = join(scene, Some(targets(moved)), &KEYS).unwrap();
+    let Loaded { examples, warnings, .. } = join(scene, Some(targets(moved)), &KEYS).unwrap();
     assert!(farthest(&examples.vertices, &posed) < 1e-12);
     let how = "(x, z, -y) x 0.01".to_owned();
     assert_eq!(warnings, [Warning::Moved { what: "targets", how }]);
@@ -110,13 +111,13 @@ fn joints_are_brought_to_a_rest_mesh() {
         let [x, y, z] = converted(x);
         [x + 7.0, y, z - 300.0]
     };
-    let here = join(limb().0, Some(targets(posed.clone())), &KEYS).unwrap().0;
+    let here = join(limb().0, Some(targets(posed.clone())), &KEYS).unwrap().examples;
     let mut there = targets(posed.iter().copied().map(shifted).collect());
     there.meshes.rest = Some(scene.rest.iter().copied().map(shifted).collect());
     there.meshes.triangles = Some(vec![[2, 1, 0]]);
     there.split = Some(vec![Split::HeldOut; FRAMES]);
     let rest = there.meshes.rest.clone().unwrap();
-    let (examples, _, warnings) = join(scene, Some(there), &KEYS).unwrap();
+    let Loaded { examples, warnings, .. } = join(scene, Some(there), &KEYS).unwrap();
     assert_eq!((&examples.rest, &examples.triangles), (&rest, &vec![[2, 1, 0]]));
     assert_eq!(examples.split, [Split::HeldOut; FRAMES]);
     assert!(matches!(&warnings[..], [Warning::Moved { what: "joints", .. }]), "{warnings:?}");
@@ -197,7 +198,7 @@ fn targets_that_follow_the_clips_in_another_order_are_sorted() {
     };
     let (_, posed) = limb();
     for with_rest in [false, true] {
-        let (examples, clips, warnings) = sorts(&posed, with_rest);
+        let Loaded { examples, clips, warnings } = sorts(&posed, with_rest);
         assert_eq!(examples.vertices, posed);
         assert_eq!(examples.split, [0, 0, 1, 2, 2, 2].map(use_of));
         assert_eq!(clips.iter().map(|clip| clip.times.len()).collect::<Vec<_>>(), [2, 1, 3]);
@@ -207,7 +208,7 @@ fn targets_that_follow_the_clips_in_another_order_are_sorted() {
         assert!(warnings.len() == 1 && text.starts_with(words), "{warnings:?}");
     }
     // The meshes may have other axes and units.
-    let (examples, _, warnings) =
+    let Loaded { examples, warnings, .. } =
         sorts(&posed.iter().copied().map(converted).collect::<Vec<_>>(), false);
     assert!(farthest(&examples.vertices, &posed) < 1e-12);
     let how = "(x, z, -y) x 0.01".to_owned();
@@ -225,7 +226,7 @@ fn targets_of_all_clips_are_cut_to_the_requested_clips() {
     targets.split = Some([2, 2, 2, 0, 0, 1].map(use_of).to_vec());
     let asked = ["wave".to_owned(), "kick".to_owned()];
     let sampling = Sampling { clips: &asked, ..KEYS };
-    let (examples, clips, warnings) = join(scene, Some(targets), &sampling).unwrap();
+    let Loaded { examples, clips, warnings } = join(scene, Some(targets), &sampling).unwrap();
     assert_eq!(examples.vertices, posed[2 * VERTICES..]);
     assert_eq!(examples.split, [1, 2, 2, 2].map(use_of));
     let lower = |pose: &[Matrix4<f64>]| pose[1] * Matrix4::new_translation(&-Vector3::x());
@@ -251,7 +252,8 @@ fn use_of(number: usize) -> Split {
 fn targets_in_order_stay_and_ambiguous_orders_are_refused() {
     let (mut scene, posed) = limb();
     cut(&mut scene, &[1; 6]);
-    let (examples, _, warnings) = join(scene, Some(targets(posed.clone())), &KEYS).unwrap();
+    let Loaded { examples, warnings, .. } =
+        join(scene, Some(targets(posed.clone())), &KEYS).unwrap();
     assert_eq!((examples.vertices, warnings), (posed.clone(), Vec::new()));
 
     // Two clips with equal motion can be exchanged.

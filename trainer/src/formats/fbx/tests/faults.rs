@@ -160,8 +160,7 @@ fn channels_are_shapes_and_of_several_in_one_the_last() {
     assert_eq!(found.uv, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
     assert_eq!(found.uv_faces, [vec![0, 1, 2, 0], vec![1, 2, 2]]);
     let (meshes, channels) = (vec!["hat".to_owned()], vec!["smile".to_owned()]);
-    let expected =
-        [FormatWarning::UnshapedMeshes { meshes }, FormatWarning::ShapesBetween { channels }];
+    let expected = [FormatWarning::UnshapedMeshes(meshes), FormatWarning::ShapesBetween(channels)];
     assert_eq!(found.warnings, expected);
 }
 

@@ -203,7 +203,7 @@ fn joints_of_equal_names_get_different_names() {
     names.sort();
     assert_eq!(names, ["left", "left/hand", "right", "right/hand", "root", "tip"]);
     let joints = vec!["left/hand".to_owned(), "right/hand".to_owned()];
-    assert_eq!(rig.warnings, [FormatWarning::EqualNames { joints }]);
+    assert_eq!(rig.warnings, [FormatWarning::EqualNames(joints)]);
 }
 
 #[test]
@@ -223,7 +223,7 @@ fn the_bind_pose_places_a_mesh_whatever_its_node_does() {
     near(&rig.rest, &ARM.map(|[x, y, z]| [x, y + 2.0, z + 5.0]));
     near(shapes(&rig)[1], &ARM.map(|[x, y, z]| [x + 3.0, y + 2.0, z + 5.0]));
     let meshes = vec!["body".to_owned()];
-    assert_eq!(rig.warnings, [FormatWarning::UnskinnedMeshes { meshes }]);
+    assert_eq!(rig.warnings, [FormatWarning::UnskinnedMeshes(meshes)]);
     assert_eq!(rig.names, ["root"], "the tip is neither bound nor above what is");
 }
 
@@ -393,7 +393,7 @@ fn normals_by_corner_go_where_the_mesh_is_bound() {
     let layer = scene.animation("bend");
     scene.keys(layer, tip, "Lcl Rotation", "d|Z", &[(1, 0.0), (2, 90.0)]);
     let rig = parse(scene.text().as_bytes(), &KEYS).unwrap();
-    assert_eq!(rig.warnings, [FormatWarning::NormalsRepaired { count: 1 }]);
+    assert_eq!(rig.warnings, [FormatWarning::NormalsRepaired(1)]);
     let engine = rig.engine.unwrap();
     assert_eq!(engine.copy_of, [0, 1, 1, 2, 3, 4]);
     assert_eq!(engine.triangles, [[0, 4, 1], [0, 5, 4], [2, 4, 3]]);
@@ -434,7 +434,7 @@ fn a_mesh_of_a_point_cache_has_no_shapes_of_the_scene_s_own() {
     arm.scene.connect(cache, arm.mesh);
     let rig = arm.rig();
     assert!(rig.shapes.is_none());
-    assert_eq!(rig.warnings, [FormatWarning::CacheIgnored { meshes: vec!["body".to_owned()] }]);
+    assert_eq!(rig.warnings, [FormatWarning::CacheIgnored(vec!["body".to_owned()])]);
 }
 
 #[test]

@@ -9,8 +9,9 @@ use std::io::Read;
 /// The unread rest of some bytes, and its position in the file.
 #[derive(Clone, Copy)]
 pub(super) struct Bytes<'a> {
-    left: &'a [u8],
-    start: usize,
+    pub(super) left: &'a [u8],
+    /// Position of the next byte in the file.
+    pub(super) start: usize,
 }
 
 impl<'a> Bytes<'a> {
@@ -20,15 +21,6 @@ impl<'a> Bytes<'a> {
 
     pub(super) fn len(&self) -> usize {
         self.left.len()
-    }
-
-    pub(super) fn rest(&self) -> &'a [u8] {
-        self.left
-    }
-
-    /// Returns the position of the next byte in the file.
-    pub(super) fn at(&self) -> usize {
-        self.start
     }
 
     /// Reads the next `len` bytes.
@@ -150,7 +142,7 @@ fn decode_runs(data: &[u8], row: usize, rows: usize) -> Result<Vec<u8>, String> 
             let left = end - out.len();
             match head {
                 0..128 => {
-                    let bytes = own.take(usize::from(head) + 1).map_err(cut_off)?.rest();
+                    let bytes = own.take(usize::from(head) + 1).map_err(cut_off)?.left;
                     out.extend(&bytes[..bytes.len().min(left)]);
                 }
                 128 => {}

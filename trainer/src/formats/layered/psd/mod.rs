@@ -41,7 +41,7 @@ impl Document {
     /// The file is not a Photoshop file, is damaged or too large, or has another depth or colour mode.
     pub(super) fn read(bytes: Vec<u8>) -> Result<(Self, [usize; 2], Vec<Node>), Error> {
         let mut left = Bytes::new(&bytes);
-        let is_psd = left.take(4).is_ok_and(|signature| signature.rest() == b"8BPS");
+        let is_psd = left.take(4).is_ok_and(|signature| signature.left == b"8BPS");
         if !is_psd {
             return Err(Error::damaged("expected a Photoshop file, which begins with 8BPS"));
         }
@@ -82,11 +82,10 @@ impl Document {
             section.block()?;
             layers = blocks(section, b"Lr16", 4)?.unwrap_or(layers);
         }
-        let records = match layers.len() {
-            0 => Vec::new(),
+        let (records, nodes) = match layers.len() {
+            0 => Default::default(),
             _ => records(layers)?,
         };
-        let nodes = nodes(&records)?;
         Ok((Self { sample, is_grey, records, bytes }, [width, height], nodes))
     }
 
@@ -120,14 +119,13 @@ impl Document {
     /// The fault, in words: the layer has an effect that is not part of its pixels.
     pub(super) fn mask(&self, source: usize, canvas: &mut Pixels) -> Result<(), String> {
         let own = &self.records[source];
-        if let Some(what) = own.unread {
-            return Err(format!(
-                "\"{}\" has {what}, expected pixels: rasterise or merge it",
-                own.name
-            ));
+        if let Some(unread) = &own.unread {
+            return Err(unread.clone());
         }
-        let (Some(mask), Some(range)) = (&own.mask, own.channel(-2)) else { return Ok(()) };
-        let Area { corner, size } = mask.area;
+        let (Some((area, outside)), Some(range)) = (&own.mask, own.channel(-2)) else {
+            return Ok(());
+        };
+        let &Area { corner, size } = area;
         let mut found = Vec::new();
         if !size.contains(&0) {
             check_size(size)?;
@@ -139,7 +137,7 @@ impl Document {
             let is_inside = (0..2).all(|axis| (0..size[axis] as i64).contains(&place[axis]));
             let share = match is_inside {
                 true => found[place[1] as usize * size[0] + place[0] as usize],
-                false => mask.outside,
+                false => *outside,
             };
             pixel[3] = product(pixel[3], share);
         }
@@ -147,11 +145,11 @@ impl Document {
     }
 }
 
-/// Joins records into a tree of groups. Records go from back to front; a group begins with a record without a name.
-fn nodes(records: &[Record]) -> Result<Vec<Node>, Error> {
+/// Joins nodes into a tree of groups. Nodes go from back to front; a group begins with a node without a name.
+fn tree(nodes: Vec<(Section, Node)>) -> Result<Vec<Node>, Error> {
     let mut open = vec![Vec::new()];
-    for (source, own) in records.iter().enumerate() {
-        let members = match own.section {
+    for (section, node) in nodes {
+        let members = match section {
             Section::Begin if open.len() > DEPTH => {
                 return Err(damaged(format!("groups within groups, more than {DEPTH} deep")));
             }
@@ -162,17 +160,8 @@ fn nodes(records: &[Record]) -> Result<Vec<Node>, Error> {
             Section::Layer => None,
             Section::Group => open.pop(),
         };
-        let node = Node {
-            name: own.name.clone(),
-            source,
-            opacity: own.opacity,
-            blend: own.blend(),
-            is_hidden: own.is_hidden,
-            is_clipped: own.is_clipped,
-            members,
-        };
-        let unpaired = || damaged(format!("group \"{}\" has no beginning", own.name));
-        open.last_mut().ok_or_else(unpaired)?.push(node);
+        let unpaired = || damaged(format!("group \"{}\" has no beginning", node.name));
+        open.last_mut().ok_or_else(unpaired)?.push(Node { members, ..node });
     }
     match open.pop() {
         Some(nodes) if open.is_empty() => Ok(nodes),
@@ -182,17 +171,11 @@ fn nodes(records: &[Record]) -> Result<Vec<Node>, Error> {
 
 /// A layer, the end of a group, or the beginning of a group.
 struct Record {
-    name: String,
     area: Area,
-    mask: Option<Mask>,
-    /// Opacity, in [0, 1].
-    opacity: f64,
-    is_hidden: bool,
-    is_clipped: bool,
-    section: Section,
-    /// Name of an unsupported block that changes the look.
-    unread: Option<&'static str>,
-    mode: [u8; 4],
+    /// Rectangle of the mask, and its value outside the rectangle.
+    mask: Option<(Area, u8)>,
+    /// The fault of an unsupported block that changes the look, in words.
+    unread: Option<String>,
     /// Channels and the range of their bytes in the file: 0 to 2 are colours, -1 is alpha, -2 the mask.
     channels: Vec<(i16, Range<usize>)>,
 }
@@ -215,41 +198,27 @@ struct Area {
     size: [usize; 2],
 }
 
-struct Mask {
-    area: Area,
-    /// Value of the mask outside its rectangle.
-    outside: u8,
-}
-
 impl Record {
     /// Returns the range of a channel's bytes in the file.
     fn channel(&self, id: i16) -> Option<&Range<usize>> {
         self.channels.iter().find(|(own, _)| *own == id).map(|(_, range)| range)
     }
-
-    /// Returns the blend mode; `None` for normal.
-    fn blend(&self) -> Option<String> {
-        let is_normal = match self.section {
-            Section::Group => matches!(&self.mode, b"pass" | b"norm"),
-            _ => self.mode == *b"norm",
-        };
-        (!is_normal).then(|| self.mode.escape_ascii().to_string().trim().to_owned())
-    }
 }
 
-/// Reads the records of all layers, the hindmost first.
+/// Reads the records of all layers, the hindmost first, and their tree.
 ///
 /// # Errors
-/// The records are cut off.
-fn records(mut left: Bytes<'_>) -> Result<Vec<Record>, Error> {
+/// The records are cut off, or groups do not begin or end.
+fn records(mut left: Bytes<'_>) -> Result<(Vec<Record>, Vec<Node>), Error> {
     // The sign only tells whether the flattened picture has transparency.
-    let len = left.i16()?.unsigned_abs();
-    let mut out = (0..len).map(|_| record(&mut left)).collect::<Result<Vec<_>, _>>()?;
+    let len = usize::from(left.i16()?.unsigned_abs());
+    let all = (0..len).map(|source| record(&mut left, source)).collect::<Result<Vec<_>, _>>()?;
+    let (mut out, nodes): (Vec<Record>, Vec<_>) = all.into_iter().unzip();
     for (_, range) in out.iter_mut().flat_map(|own| &mut own.channels) {
         let data = left.take(range.len())?;
-        *range = data.at()..data.at() + data.len();
+        *range = data.start..data.start + data.len();
     }
-    Ok(out)
+    Ok((out, tree(nodes)?))
 }
 
 fn area(left: &mut Bytes<'_>) -> Result<Area, Error> {
@@ -259,7 +228,8 @@ fn area(left: &mut Bytes<'_>) -> Result<Area, Error> {
     Ok(Area { corner: [west, top], size: [side(west, east), side(top, bottom)] })
 }
 
-fn record(left: &mut Bytes<'_>) -> Result<Record, Error> {
+/// Reads a record; `source` is its index.
+fn record(left: &mut Bytes<'_>, source: usize) -> Result<(Record, (Section, Node)), Error> {
     let area = area(left)?;
     let channel_len = left.u16()?;
     let channel = |_| Ok((left.i16()?, 0..left.u32()? as usize));
@@ -271,7 +241,7 @@ fn record(left: &mut Bytes<'_>) -> Result<Record, Error> {
     let mask = mask(extra.block()?)?;
     extra.block()?;
     let name_len = extra.u8()?;
-    let name = extra.take(name_len.into())?.rest();
+    let name = extra.take(name_len.into())?.left;
     let padded = (usize::from(name_len) + 1).next_multiple_of(4) - 1 - usize::from(name_len);
     extra.take(padded.min(extra.len()))?;
     let name = match blocks(extra, b"luni", 1)? {
@@ -296,38 +266,39 @@ fn record(left: &mut Bytes<'_>) -> Result<Record, Error> {
     for (what, keys) in UNREAD {
         for key in keys {
             if blocks(extra, key, 1)?.is_some() {
-                unread = Some(what);
+                let fault =
+                    format!("\"{name}\" has {what}, expected pixels: rasterise or merge it");
+                unread = Some(fault);
             }
         }
     }
-    Ok(Record {
+    let is_normal = mode == *b"norm" || section == Section::Group && mode == *b"pass";
+    let node = Node {
         name,
-        area,
-        mask,
+        source,
         opacity: f64::from(opacity) / 255.0 * (f64::from(fill) / 255.0),
+        blend: (!is_normal).then(|| mode.escape_ascii().to_string().trim().to_owned()),
         is_hidden: flags & 2 != 0,
         is_clipped: clipping != 0,
-        section,
-        unread,
-        mode,
-        channels,
-    })
+        members: None,
+    };
+    Ok((Record { area, mask, unread, channels }, (section, node)))
 }
 
 /// Reads a mask; `None` if there is none, or the mask is disabled.
-fn mask(mut left: Bytes<'_>) -> Result<Option<Mask>, Error> {
+fn mask(mut left: Bytes<'_>) -> Result<Option<(Area, u8)>, Error> {
     if left.len() == 0 {
         return Ok(None);
     }
     let area = area(&mut left)?;
     let [outside, flags]: [u8; 2] = left.array()?;
-    Ok((flags & 2 == 0).then_some(Mask { area, outside }))
+    Ok((flags & 2 == 0).then_some((area, outside)))
 }
 
 fn unicode(text: &mut Bytes<'_>) -> Result<String, Error> {
     let len = text.u32()? as usize;
     let units = text.take(len.saturating_mul(2))?;
-    let units = units.rest().as_chunks::<2>().0.iter().map(|unit| u16::from_be_bytes(*unit));
+    let units = units.left.as_chunks::<2>().0.iter().map(|unit| u16::from_be_bytes(*unit));
     let units: Vec<u16> = units.collect();
     Ok(String::from_utf16_lossy(&units).trim_end_matches('\0').to_owned())
 }

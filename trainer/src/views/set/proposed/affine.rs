@@ -23,7 +23,7 @@ const STEPS: usize = 12;
 /// Smallest determinant of a map.
 const LEAST_AREA: f64 = 0.01;
 /// Smallest relative improvement of a step.
-pub(super) const ENOUGH: f64 = 1e-4;
+const ENOUGH: f64 = 1e-4;
 
 /// An affine map.
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +121,44 @@ fn cosine(by: &Matrix2<f64>) -> f64 {
     along / along.hypot(across).max(f64::MIN_POSITIVE)
 }
 
+/// Improves a guess by damped Gauss-Newton steps, as long as its error falls.
+///
+/// - `damping`: first and largest damping.
+/// - `least`: smallest improvement of a step, beside that of [`ENOUGH`].
+/// - `system`: makes the equations of a guess.
+/// - `next`: makes the guess after a step with a damping. `None` if the equations have no solution.
+pub(super) fn improved<G, S>(
+    mut now: G,
+    steps: usize,
+    [mut damping, most]: [f64; 2],
+    least: f64,
+    error: impl Fn(&G) -> f64,
+    system: impl Fn(&G) -> S,
+    next: impl Fn(&G, &S, f64) -> Option<G>,
+) -> G {
+    for _ in 0..steps {
+        let system = system(&now);
+        loop {
+            let Some(found) = next(&now, &system, damping) else { return now };
+            let [before, after] = [&now, &found].map(&error);
+            if after < before {
+                (now, damping) = (found, (0.1 * damping).max(1e-6));
+                if before - after < ENOUGH * before + least {
+                    return now;
+                }
+                break;
+            }
+            damping *= 10.0;
+            if damping > most {
+                return now;
+            }
+        }
+    }
+    now
+}
+
 /// Error of a map, and the normal equations of the next step.
+#[derive(Clone, Copy)]
 struct Tried {
     error: f64,
     matrix: SMatrix<f64, 6, 6>,
@@ -148,34 +185,20 @@ fn fitted(fields: &[Field; 2], start: Affine, sigma: f64) -> (Affine, f64) {
         }
         out
     };
-    let (mut map, mut now, mut damping) = (start, tried(&start), 1e-3);
-    'steps: for _ in 0..STEPS {
-        let floor = 1e-9 * now.matrix.trace() + 1e-12;
-        loop {
-            let mut matrix = now.matrix;
-            (0..6).for_each(|k| matrix[(k, k)] += damping * (now.matrix[(k, k)] + floor));
-            let Some(found) = matrix.cholesky().map(|own| own.solve(&now.right)) else {
-                break 'steps;
-            };
-            let by = map.by + Matrix2::new(found[0], found[1], found[2], found[3]);
-            let next = Affine { by, to: map.to + Vector2::new(found[4], found[5]), ..map };
-            if next.by.determinant() > LEAST_AREA {
-                let tried = tried(&next);
-                if tried.error < now.error {
-                    let is_done = now.error - tried.error < ENOUGH * now.error;
-                    (map, now, damping) = (next, tried, (0.1 * damping).max(1e-6));
-                    if is_done {
-                        break 'steps;
-                    }
-                    break;
-                }
-            }
-            damping *= 10.0;
-            if damping > 1e3 {
-                break 'steps;
-            }
-        }
-    }
+    let floor = |(_, now): &(Affine, Tried)| 1e-9 * now.matrix.trace() + 1e-12;
+    let next = |(map, now): &(Affine, Tried), floor: &f64, damping: f64| {
+        let mut matrix = now.matrix;
+        (0..6).for_each(|k| matrix[(k, k)] += damping * (now.matrix[(k, k)] + floor));
+        let found = matrix.cholesky()?.solve(&now.right);
+        let by = map.by + Matrix2::new(found[0], found[1], found[2], found[3]);
+        let next = Affine { by, to: map.to + Vector2::new(found[4], found[5]), ..*map };
+        let is_allowed = by.determinant() > LEAST_AREA;
+        let refused = Tried { error: f64::INFINITY, ..*now };
+        Some((next, if is_allowed { tried(&next) } else { refused }))
+    };
+    let start = (start, tried(&start));
+    let error = |(_, now): &(Affine, Tried)| now.error;
+    let (map, now) = improved(start, STEPS, [1e-3, 1e3], 0.0, error, floor, next);
     (map, now.error / whole.max(f64::MIN_POSITIVE))
 }
 

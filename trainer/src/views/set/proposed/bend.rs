@@ -1,7 +1,7 @@
 //! Finds the smooth map between two pictures of a layer that minimises their difference in both directions. Maps are
 //! uniform cubic B-splines over a lattice.
 
-use super::affine::{Affine, ENOUGH, Field};
+use super::affine::{Affine, Field, improved};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use nalgebra::{Matrix2, Vector2};
@@ -46,8 +46,8 @@ pub(super) fn smooth_map(rest: &Field, other: &Field, starts: &[Affine]) -> Opti
         let fields = [rest.blurred(sigma), other.blurred(sigma)];
         let mut tried = Vec::new();
         for (start, map) in maps {
-            let mut map = SplineMap::of(lattice(cells), |place| map.at(place).0);
-            let error = improved(&fields, &mut map, start, sigma);
+            let map = SplineMap::of(lattice(cells), |place| map.at(place).0);
+            let (map, error) = fitted(&fields, map, start, sigma);
             tried.push((start.cost(error), start, map));
         }
         tried.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -73,9 +73,9 @@ struct Tried {
     sources: Vec<Vector2<f64>>,
 }
 
-/// Improves a map by damped Gauss-Newton steps. Returns its difference and bending, over the difference of two disjoint
-/// pictures.
-fn improved(fields: &[Field; 2], map: &mut SplineMap, start: &Affine, sigma: f64) -> f64 {
+/// Improves a map by damped Gauss-Newton steps. Returns the map with its difference and bending, over the difference of
+/// two disjoint pictures.
+fn fitted(fields: &[Field; 2], map: SplineMap, start: &Affine, sigma: f64) -> (SplineMap, f64) {
     let step = ((sigma / 1.5) as usize).max(1);
     let places = fields.each_ref().map(|field| field.places(step));
     let square = |rgba: &[f64; 4]| rgba.iter().map(|x| x * x).sum::<f64>();
@@ -115,35 +115,26 @@ fn improved(fields: &[Field; 2], map: &mut SplineMap, start: &Affine, sigma: f64
     };
     let back = start.inverse();
     let guesses: Vec<Vector2<f64>> = places[1].iter().map(|(place, _)| back.at(*place)).collect();
-    let (mut now, mut damping) = (tried(map, &guesses), 1e-4);
-    'steps: for _ in 0..STEPS {
-        let (matrix, right) = equations(map, &now, &rows, BENDING * whole);
+    let system = |(map, now): &(SplineMap, Tried)| equations(map, now, &rows, BENDING * whole);
+    let next = |(map, now): &(SplineMap, Tried), system: &(Mat<f64>, Mat<f64>), damping: f64| {
+        let (matrix, right) = system;
         let mean = (0..right.nrows()).map(|k| matrix[(k, k)]).sum::<f64>() / right.nrows() as f64;
-        loop {
-            let mut damped = matrix.clone();
-            (0..right.nrows()).for_each(|k| damped[(k, k)] += damping * mean);
-            let Ok(factor) = damped.llt(Side::Lower) else { break 'steps };
-            let found = factor.solve(&right);
-            let mut next = map.clone();
-            for (k, node) in next.nodes.iter_mut().enumerate() {
-                *node += Vector2::new(found[(2 * k, 0)], found[(2 * k + 1, 0)]);
-            }
-            let tried = tried(&next, &now.sources);
-            let [before, after] = [&now, &tried].map(|own| own.error + own.bending);
-            if after < before {
-                (*map, now, damping) = (next, tried, (0.1 * damping).max(1e-6));
-                if before - after < ENOUGH * before + EXACT * whole {
-                    break 'steps;
-                }
-                break;
-            }
-            damping *= 10.0;
-            if damping > 1e2 {
-                break 'steps;
-            }
+        let mut damped = matrix.clone();
+        (0..right.nrows()).for_each(|k| damped[(k, k)] += damping * mean);
+        let found = damped.llt(Side::Lower).ok()?.solve(right);
+        let mut next = map.clone();
+        for (k, node) in next.nodes.iter_mut().enumerate() {
+            *node += Vector2::new(found[(2 * k, 0)], found[(2 * k + 1, 0)]);
         }
-    }
-    (now.error + now.bending) / whole
+        let tried = tried(&next, &now.sources);
+        Some((next, tried))
+    };
+    let first = tried(&map, &guesses);
+    let error = |(_, now): &(SplineMap, Tried)| now.error + now.bending;
+    let least = EXACT * whole;
+    let found = improved((map, first), STEPS, [1e-4, 1e2], least, error, system, next);
+    let error = error(&found) / whole;
+    (found.0, error)
 }
 
 impl Tried {
@@ -175,13 +166,13 @@ fn equations(
     let len = 2 * map.lattice.len();
     let (mut matrix, mut right) = (Mat::zeros(len, len), Mat::zeros(len, 1));
     for Difference { place, square, right: own } in &tried.differences {
-        let around = map.lattice.weights_at(*place);
-        for (a, by) in around.weights.into_iter().enumerate() {
-            let first = 2 * map.lattice.node(around.first, a);
+        let (corner, weights) = map.lattice.weights_at(*place);
+        for (a, by) in weights.into_iter().enumerate() {
+            let first = 2 * map.lattice.node(corner, a);
             right[(first, 0)] += by * own.x;
             right[(first + 1, 0)] += by * own.y;
-            for (b, other) in around.weights.into_iter().enumerate().take(a + 1) {
-                let second = 2 * map.lattice.node(around.first, b);
+            for (b, other) in weights.into_iter().enumerate().take(a + 1) {
+                let second = 2 * map.lattice.node(corner, b);
                 let both = by * other;
                 matrix[(first, second)] += both * square.m11;
                 matrix[(first + 1, second)] += both * square.m21;
@@ -213,12 +204,6 @@ pub(super) struct Lattice {
     cell: f64,
     /// Number of nodes across and down: 3 more than cells.
     counts: [usize; 2],
-}
-
-/// Weights of the 4 x 4 nodes around a place, by rows. `first` is the index of the first node.
-pub(super) struct Around {
-    pub(super) first: usize,
-    pub(super) weights: [f64; 16],
 }
 
 /// A spline map: the coefficient of each node.
@@ -268,12 +253,12 @@ impl Lattice {
         (cell, [0, 1].map(|axis| at[axis] - cell[axis] as f64))
     }
 
-    /// Returns the weights at a place inside the lattice.
-    pub(super) fn weights_at(&self, place: Vector2<f64>) -> Around {
+    /// Returns the index of the first of the 4 x 4 nodes around a place inside the lattice, and their weights by rows.
+    fn weights_at(&self, place: Vector2<f64>) -> (usize, [f64; 16]) {
         let ([x, y], [s, t]) = self.local(place);
         let (across, down) = (spline(s), spline(t));
         let weights = std::array::from_fn(|k| down[k / 4] * across[k % 4]);
-        Around { first: y * self.counts[0] + x, weights }
+        (y * self.counts[0] + x, weights)
     }
 
     /// Lists the positions of the nodes.

@@ -36,11 +36,8 @@ const EQUAL: f64 = 1e-9;
 /// A picture cannot be read or is damaged, or no view shows a layer.
 pub(super) fn add(set: &mut ViewSet, layers: &[usize]) -> Result<(), Error> {
     let keys = set.key_views();
-    let mut found = Vec::new();
     for &layer in layers {
-        found.push(proposed(set, layer, &keys)?);
-    }
-    for (&layer, Proposed { points, triangles }) in layers.iter().zip(found) {
+        let Proposed { points, triangles } = proposed(set, layer, &keys)?;
         let first = set.point_len();
         let len = points.iter().flatten().map(Vec::len).next().unwrap_or(0);
         for map in &mut set.maps {
@@ -80,8 +77,8 @@ struct Cropped {
 
 fn proposed(set: &ViewSet, layer: usize, keys: &[(usize, usize)]) -> Result<Proposed, Error> {
     let mut pictures = Vec::new();
-    for (key, &(map, view)) in keys.iter().enumerate() {
-        let Some(image) = set.maps[map].train[view].picture(layer) else { continue };
+    for (key, &own) in keys.iter().enumerate() {
+        let Some(image) = set.view(own).picture(layer) else { continue };
         let cut = cropped(&image.load(set.size)?, 0);
         pictures.extend(cut.map(|(picture, corner)| Cropped { key, picture, corner }));
     }

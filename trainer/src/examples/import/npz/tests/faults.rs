@@ -170,9 +170,9 @@ fn faces_out_of_range_name_face_and_vertex() {
 #[test]
 fn triangles_without_area_are_listed_unless_all_are() {
     let loaded = Set::good().whole("quads", 3, 2).load("repeated").unwrap();
-    assert_eq!(loaded.warnings, [Warning::RepeatedVertex { triangles: vec![1] }]);
+    assert_eq!(loaded.warnings, [Warning::RepeatedVertex(vec![1])]);
     let loaded = Set::good().real("rest", 9, 2.0).real("rest", 10, 2.0).load("flat").unwrap();
-    assert_eq!(loaded.warnings, [Warning::ZeroArea { triangles: vec![1] }]);
+    assert_eq!(loaded.warnings, [Warning::ZeroArea(vec![1])]);
     assert_eq!(
         loaded.warnings[0].to_string(),
         "triangles without area at rest are left out of the fit: 1"

@@ -60,16 +60,9 @@ fn one_clip_is_read_alone() {
     let moved = clips().real("vertices", 3 * 15, 0.25).real("bone_transforms", 3 * 32 + 3, 0.5);
     let path = moved.whole("split", 3, 0).write(&folder);
     let of = |clip: &str| {
-        load_clips(
-            &path,
-            &Sampling {
-                fps: None,
-                clips: &[clip.to_owned()],
-                shapes: true,
-                still: false,
-                played: false,
-            },
-        )
+        let clips = &[clip.to_owned()];
+        let one = Sampling { fps: None, clips, shapes: true, still: false, played: false };
+        load_clips(&path, &one).map(|(loaded, _)| loaded)
     };
     let Loaded { examples, clips, .. } = of("Stretch").unwrap();
     assert_eq!(clips, [Clip { first: 0, ..expected()[1].clone() }]);

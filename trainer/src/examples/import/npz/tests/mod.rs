@@ -174,7 +174,7 @@ fn saved_sets_load_the_same_with_and_without_the_json() {
     for _ in 0..2 {
         let loaded = load(&folder.npz()).unwrap();
         assert_eq!(format!("{:?}", loaded.examples), format!("{saved:?}"));
-        assert!(matches!(loaded.warnings[..], [Warning::SeveralRoots { .. }]));
+        assert!(matches!(loaded.warnings[..], [Warning::SeveralRoots(_)]));
         let _ = std::fs::remove_file(folder.npz().with_extension("json"));
     }
     save_npz(&folder.npz(), &saved, &[]).unwrap();
@@ -258,7 +258,7 @@ fn further_roots_become_children_of_the_first() {
     assert_eq!((&skeleton.parents[..], &skeleton.roots[..]), (&[None, Some(0)][..], &[1][..]));
     assert_eq!(skeleton.own_parents(), [None, None]);
     let joints = vec!["a".to_owned(), "b".to_owned()];
-    assert_eq!(loaded.warnings, [Warning::SeveralRoots { joints }]);
+    assert_eq!(loaded.warnings, [Warning::SeveralRoots(joints)]);
 }
 
 #[test]
@@ -350,7 +350,7 @@ fn dem_bones_loads() {
     let Some(Loaded { mut examples, warnings, .. }) = shared("dem-bones/bone.npz") else { return };
     assert_eq!(counts(&examples), [400, 754, 1504, 6, 300, 100, 0]);
     let joints = vec!["joint1".to_owned(), "joint4".to_owned()];
-    assert_eq!(warnings, [Warning::SeveralRoots { joints }]);
+    assert_eq!(warnings, [Warning::SeveralRoots(joints)]);
     let parents = [None, Some(0), Some(0), Some(0), Some(3), Some(3)];
     assert_eq!(examples.skeleton.parents, parents);
     assert_eq!(examples.skeleton.roots, [3]);

@@ -1,0 +1,22 @@
+//! Structures whose numbers have one type.
+
+/// Implements the conversion between a structure and its section, which has the fields in their order.
+macro_rules! flat {
+    ($type:ident of $section:literal, $to:ident, $from:ident: [$number:ty; $len:literal] { $($field:ident),* }) => {
+        impl $type {
+            #[doc = concat!("Bytes of section `", $section, "`.")]
+            pub const BYTES: usize = 4 * $len;
+
+            #[doc = concat!("Lists the ", stringify!($to), " in the order of the file.")]
+            pub const fn $to(&self) -> [$number; $len] {
+                [$(self.$field),*]
+            }
+
+            #[doc = concat!("Makes the structure from ", stringify!($to), " in the order of the file.")]
+            pub const fn $from([$($field),*]: [$number; $len]) -> Self {
+                Self { $($field),* }
+            }
+        }
+    };
+}
+pub(crate) use flat;
