@@ -62,10 +62,10 @@ pub fn output(command: &mut Command) -> String {
 ///
 /// # Panics
 /// As [`output`] does.
-pub fn cargo(folder: &Path, target: &str, arguments: &[&str]) -> String {
+pub fn cargo(folder: &Path, target: &Path, arguments: &[&str]) -> String {
     copy(&["Cargo.lock"], folder);
     let mut cargo = Command::new(env!("CARGO"));
     cargo.current_dir(folder).args(arguments).arg("--offline");
-    cargo.env("CARGO_TARGET_DIR", Path::new(target).join("target"));
+    cargo.env("CARGO_TARGET_DIR", target);
     output(&mut cargo)
 }

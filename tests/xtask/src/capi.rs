@@ -49,12 +49,12 @@ pub(super) fn native() -> Result<(), String> {
     run(&mut native_cargo("test --locked")?)
 }
 
-/// Makes a call of cargo on `tests/native`, in the target folder of nested builds.
+/// Makes a call of cargo on `tests/native`, in its own target folder.
 fn native_cargo(arguments: &str) -> Result<Command, String> {
     let mut command = cargo_with(arguments, &[]);
     command.args(["--manifest-path", "tests/native/Cargo.toml"]);
     if !arguments.starts_with("fmt") {
-        command.env("CARGO_TARGET_DIR", target_folder()?.join("nested"));
+        command.env("CARGO_TARGET_DIR", target_folder()?.join("nested/native"));
     }
     Ok(command)
 }

@@ -12,7 +12,7 @@ const SECONDS: u32 = 300;
 const HANG_SECONDS: u32 = 10;
 
 /// Folder of the fuzzers' builds, corpora and findings.
-const FOLDER: &str = "target/fuzz";
+const FOLDER: &str = "target/nested/fuzz";
 
 /// Runs every deep check; `seconds` is the time per fuzz target.
 pub(crate) fn deep(seconds: Option<&str>) -> Result<(), String> {

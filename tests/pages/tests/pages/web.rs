@@ -17,6 +17,9 @@ use std::path::Path;
 
 const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
 
+/// Target folders of the modules.
+const NESTED: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/../nested/pages");
+
 /// Name of the joint that the page turns.
 const JOINT: &str = "upper_arm";
 
@@ -37,11 +40,11 @@ fn module(name: &str, flags: &str, level: &str) -> Vec<u8> {
     write(&folder.join("Cargo.toml"), &manifest);
     write(&folder.join("src/lib.rs"), &blocks(&read("runtime/WEB.md"), "rust").concat());
     // One target folder per build, kept between runs.
-    let target = format!("{TARGET}/{name}-target");
+    let target = Path::new(NESTED).join(name);
     let wasm = "wasm32-unknown-unknown";
     let flags = format!("target.{wasm}.rustflags=[{flags}]");
     cargo(&folder, &target, &["build", "-q", "--release", "--target", wasm, "--config", &flags]);
-    std::fs::read(Path::new(&target).join("target").join(wasm).join("release/game.wasm")).unwrap()
+    std::fs::read(target.join(wasm).join("release/game.wasm")).unwrap()
 }
 
 /// Summarises a frame as the page does: confidence, box, hash of all bits.

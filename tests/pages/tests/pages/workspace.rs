@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 
 const TARGET: &str = env!("CARGO_TARGET_TMPDIR");
 
+/// Target folder of both engines.
+const NESTED: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/../nested/engine");
+
 /// Code that an engine adds to the ten lines of the README.
 const MAIN: &str = "
 fn main() {
@@ -52,7 +55,7 @@ fn the_repository_may_stand_inside_another_workspace() {
         &["runtime/benches", "tests/models/Cargo.toml", "tests/models/src", "tests/golden"],
         &sinew,
     );
-    assert_eq!(cargo(&engine, TARGET, &["run", "-q", "-p", "game"]), "5.000\n");
+    assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), "5.000\n");
 }
 
 #[test]
@@ -60,7 +63,7 @@ fn the_runtime_alone_may_stand_where_the_workspace_leaves_it_out() {
     let workspace = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
     let engine = engine("engine-alone", workspace);
     copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
-    assert_eq!(cargo(&engine, TARGET, &["run", "-q", "-p", "game"]), "5.000\n");
+    assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), "5.000\n");
 }
 
 #[test]

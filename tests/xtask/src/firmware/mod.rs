@@ -15,7 +15,7 @@ use targets::{M4F, TARGETS, Target};
 /// Builds and runs the images, and checks bits, panics, allocators and costs.
 pub(crate) fn firmware() -> Result<(), String> {
     targets::prepare()?;
-    let folder = crate::call::target_folder()?.join("firmware");
+    let folder = crate::call::target_folder()?.join("nested/firmware");
     bake_models(&folder.join("models"))?;
     build::lint(&folder)?;
     let running = run_bits(&folder)?;
