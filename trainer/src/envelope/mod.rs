@@ -112,16 +112,3 @@ pub(crate) fn too_far(examples: &Examples, least: f64) -> Option<Error> {
 pub(crate) fn one_pose(frames: usize) -> Error {
     Error::fit(format!("all {frames} training frames are one pose: there is no motion to learn"))
 }
-
-/// Returns the error of a fit that cannot reach the requested error.
-///
-/// - `limit`: requested RMS error, as a share of the diagonal.
-/// - `reached`: error with `proxies` proxies, the most there can be.
-fn out_of_reach(limit: f64, reached: f64, proxies: usize) -> Error {
-    Error::fit(format!(
-        "{} % is out of reach: {proxies} helpers, the most there can be, come to {:.4} % of the \
-         diagonal",
-        100.0 * limit,
-        100.0 * reached
-    ))
-}

@@ -43,7 +43,7 @@ impl fmt::Display for FrameName {
 }
 
 /// Returns the source's number of a frame; the frame index if the source has no number.
-pub(super) fn called(frame: i64, clips: &[Clip]) -> i64 {
+fn called(frame: i64, clips: &[Clip]) -> i64 {
     let within = |clip: &Clip| clip.number(usize::try_from(frame).ok()?.checked_sub(clip.first)?);
     clips.iter().find_map(within).unwrap_or(frame)
 }
@@ -51,6 +51,16 @@ pub(super) fn called(frame: i64, clips: &[Clip]) -> i64 {
 /// Replaces the frame index of an error by the source's frame number.
 pub fn numbered(error: Error, clips: &[Clip]) -> Error {
     error.with_frame(|frame| called(frame, clips))
+}
+
+impl Warning {
+    /// Replaces the frame index by the source's frame number.
+    pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
+        if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {
+            *frame = called(*frame, clips);
+        }
+        self
+    }
 }
 
 /// Checks a share of held-out frames.

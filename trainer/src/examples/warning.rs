@@ -1,7 +1,5 @@
 //! Warnings: problems in examples that do not stop a fit.
 
-use super::Clip;
-use super::frames::called;
 use crate::formats::FormatWarning;
 use crate::formats::scene::RATE;
 use std::fmt;
@@ -115,14 +113,6 @@ impl Warning {
     /// repeats it.
     pub fn is_of_validation(&self) -> bool {
         matches!(self, Self::NonRigidJoint { .. } | Self::RepeatedVertex(_) | Self::ZeroArea(_))
-    }
-
-    /// Replaces the frame index by the source's frame number.
-    pub(crate) fn called(mut self, clips: &[Clip]) -> Self {
-        if let Self::NonRigidJoint { worst_frame: Some(frame), .. } = &mut self {
-            *frame = called(*frame, clips);
-        }
-        self
     }
 }
 

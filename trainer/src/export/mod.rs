@@ -7,6 +7,7 @@
 mod between;
 mod into;
 mod mesh;
+mod play;
 mod played;
 mod proxies;
 mod scene;

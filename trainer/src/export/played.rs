@@ -1,20 +1,17 @@
 //! Clips as the f32 runtime plays them on a model.
 
 use rayon::prelude::*;
-use sinew_runtime::format::{Handedness, Space};
-use std::mem::take;
+use sinew_runtime::format::Space;
 use std::ops::Range;
 
-use super::between::{Between, Key};
-use super::mesh::FurtherMeshes;
 use super::proxies;
 use super::skeleton::{check_clips, key_times};
 use crate::Error;
-use crate::envelope::levels::{Influences, Level};
+use crate::envelope::levels::Influences;
 use crate::envelope::posed::{influences, palette, rest};
 use crate::evaluate::Character;
 use crate::examples::{Clip, Examples, Matrix3x4, Skeleton};
-use crate::space::{Conversion, SpaceRequest};
+use crate::space::Conversion;
 
 /// Radius around a proxy's centre for the choice of its joint, in diagonals.
 const REACH: f64 = 0.05;
@@ -43,25 +40,19 @@ pub(super) struct Played<'a> {
     pub(super) centres: Vec<[f64; 3]>,
     /// Joint that carries each proxy.
     pub(super) carriers: Vec<usize>,
-    /// Further meshes on the palette.
-    pub(super) further: FurtherMeshes,
 }
 
 impl<'a> Played<'a> {
-    /// Predicts every frame of the clips and, with `between`, the keys that the motion between frames needs.
-    ///
-    /// - `levels`: further meshes.
+    /// Predicts every frame of the clips, without mirroring. No joint carries a proxy before [`Self::carry`].
     ///
     /// # Errors
-    /// The model is refused or belongs to another character, a clip cannot be played, a joint is not rigid, the runtime
-    /// refuses a frame, the model's space is impossible, or a further mesh does not lie on the model's skin.
+    /// The model is refused or belongs to another character, a clip cannot be played, a joint is not rigid, or the
+    /// runtime refuses a frame.
     pub(super) fn new(
         model: &'a [u8],
         skin: Option<&str>,
         examples: &Examples,
         clips: &[Clip],
-        between: bool,
-        levels: &[Level],
     ) -> Result<Self, Error> {
         let character = Character::open(model, skin, examples)?;
         check_clips(clips)?;
@@ -73,7 +64,7 @@ impl<'a> Played<'a> {
             .par_iter()
             .map(|&frame| Ok(palette(&character.envelope, examples.pose(frame), frame)?.0))
             .collect::<Result<Vec<_>, Error>>()?;
-        let mut played = Self {
+        Ok(Self {
             character,
             space: character.space,
             mirror: None,
@@ -85,50 +76,18 @@ impl<'a> Played<'a> {
             influences: influences(&character.skin),
             centres: Vec::new(),
             carriers: Vec::new(),
-            further: FurtherMeshes::default(),
-        };
-        let diagonal = examples.diagonal();
-        if between {
-            played.carry(diagonal);
-            played.fill(diagonal, clips)?;
-        }
-        let hand = SpaceRequest { handedness: Some(Handedness::Right), ..SpaceRequest::default() };
-        (played.space, played.mirror) = Conversion::to(character.space, &hand)?;
-        played.further = FurtherMeshes::new(&played, examples, levels)?;
-        if let Some(mirror) = played.mirror {
-            played.turn(&mirror);
-        }
-        played.carry(diagonal);
-        Ok(played)
+        })
     }
 
     /// Finds the centre of each proxy, and the joint that carries it.
-    fn carry(&mut self, diagonal: f64) {
+    pub(super) fn carry(&mut self, diagonal: f64) {
         self.centres = self.proxy_centres();
         self.carriers =
             proxies::carriers(&self.palettes, &self.poses, &self.centres, REACH * diagonal);
     }
 
-    /// Adds keys where the motion of helpers is not even between keys.
-    fn fill(&mut self, diagonal: f64, clips: &[Clip]) -> Result<(), Error> {
-        let between = Between::new(self, diagonal);
-        let (poses, palettes) = (take(&mut self.poses), take(&mut self.palettes));
-        let mut known = poses.into_iter().zip(palettes);
-        for (times, clip) in self.times.iter_mut().zip(clips) {
-            let keys = times.iter().zip(known.by_ref());
-            let keys = keys.map(|(&time, (pose, palette))| Key { time, pose, palette }).collect();
-            let keys = between.refine(keys, clip.first)?;
-            *times = keys.iter().map(|key| key.time).collect();
-            for Key { pose, palette, .. } in keys {
-                self.poses.push(pose);
-                self.palettes.push(palette);
-            }
-        }
-        Ok(())
-    }
-
     /// Mirrors everything but the character.
-    fn turn(&mut self, mirror: &Conversion) {
+    pub(super) fn turn(&mut self, mirror: &Conversion) {
         self.rest.iter_mut().for_each(|x| *x = mirror.point(*x));
         let turn = |b: &mut Matrix3x4| *b = mirror.transform(b);
         self.skeleton.rest.iter_mut().for_each(turn);
@@ -138,7 +97,6 @@ impl<'a> Played<'a> {
             let turned = mirror.transform(&b.map(|row| row.map(f64::from)));
             *b = turned.map(|row| row.map(|x| x as f32));
         }
-        self.further.convert(mirror);
     }
 
     /// Returns the index of the first proxy in the palette; joints come before it.

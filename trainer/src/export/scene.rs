@@ -2,7 +2,7 @@
 //! demo character as an artist would deliver it.
 
 use super::mesh::{SkinnedMesh, parts};
-use super::played::Played;
+use super::play::play;
 use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, key_times, quaternion, turned};
 use crate::Error;
@@ -75,7 +75,7 @@ impl Export<'_> {
     /// - [`ErrorKind::Limit`](crate::ErrorKind::Limit): the file would be too large.
     pub fn run(&self) -> Result<Exported, Error> {
         let Self { model, skin, examples, clips, between, levels, appearance, stand } = *self;
-        let played = Played::new(model, skin, examples, clips, between, levels)?;
+        let (played, further) = play(model, skin, examples, clips, between, levels)?;
         let skin = &played.character.skin;
         let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
         let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();
@@ -111,13 +111,13 @@ impl Export<'_> {
         for part in parts(&mesh, ranges, &triangles, materials) {
             document.mesh(&part.of(&mesh), palette_skin);
         }
-        played.further.add(&mut document, palette_skin);
+        further.add(&mut document, palette_skin);
         for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
             let (mut tracks, worlds) = joints.tracks(&played.poses[own.clone()], times);
             tracks.extend(proxies.tracks(&played.palettes[own], &worlds));
             document.animation(&clip.name, times, tracks);
         }
-        Ok(Exported { glb: document.finish()?, levels: played.further.reports })
+        Ok(Exported { glb: document.finish()?, levels: further.reports })
     }
 }
 

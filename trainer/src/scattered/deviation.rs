@@ -5,6 +5,7 @@ use super::model::{
     Figures, Input, InputKind, KernelModel, Output, OutputKind, features, query_numbers,
 };
 use super::solver::refusal::Refusal;
+pub(crate) use super::solver::refusal::too_far;
 use super::sum::KernelSum;
 use crate::Error;
 use crate::bake::bake;
@@ -15,7 +16,6 @@ use rayon::prelude::*;
 use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
-use std::fmt::Display;
 use std::ops::Range;
 
 /// Default limit of a baked function's deviation, over the value's range.
@@ -47,16 +47,6 @@ struct Query {
     numbers: Vec<f32>,
     /// Features in f64.
     features: Vec<f64>,
-}
-
-/// Returns the error of a file's deviation above the limit.
-///
-/// - `remedy`: what to change.
-pub(crate) fn too_far(deviation: f64, limit: f64, remedy: impl Display) -> Error {
-    Error::fit(format!(
-        "in single precision the function is off by {deviation:.1e} of its values' range, more than {limit:.1e}: \
-         {remedy}, or allow it by --f32-error"
-    ))
 }
 
 impl Probe {

@@ -2,7 +2,7 @@
 //! distance. Families with parameters, and tables made positive definite.
 
 use super::faults::check_positive;
-use super::table::Table;
+use super::lags::Table;
 use crate::Error;
 use sinew_runtime::kernel::Kernel;
 

@@ -4,6 +4,7 @@
 //! | file | contents |
 //! |---|---|
 //! | [`covariance`], [`table`] | covariances: families with parameters, and tables; their estimates and CSV files |
+//! | `lags` | a table of covariances at even distances, made positive definite |
 //! | [`functional`] | what an observation measures: a value, a derivative, a box average |
 //! | [`kriging`], [`solved`] | the likeliest function, and the linear systems behind it |
 //! | [`choose`] | chooses the covariance that predicts a signal best |
@@ -22,6 +23,7 @@ pub mod functional;
 pub mod grid;
 pub mod image;
 pub mod kriging;
+mod lags;
 pub mod model;
 pub mod observations;
 pub mod plot;

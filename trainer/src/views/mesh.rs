@@ -1,7 +1,6 @@
 //! Vertices that follow points, and the elements between the vertices (METHOD §6.9).
 
-use super::model::KeyView;
-use super::object::centred;
+use super::object::{KeyView, centred};
 use super::set::{Covered, Element};
 use crate::page::picture::Picture;
 use nalgebra::{Complex, DMatrix, DVector};

@@ -2,12 +2,11 @@
 
 use super::fit::MapOutputs;
 use super::mesh::{Mesh, Vertex};
-use super::object::Deformation;
+use super::object::{Deformation, KeyView};
 use super::set::Element;
 use crate::Error;
 use crate::bake::sections::{floats, names, narrow, words};
 use crate::bake::{Part, Sections};
-use crate::page::picture::Picture;
 use crate::scattered::bake::part;
 use crate::scattered::model::KernelModel;
 use nalgebra::Complex;
@@ -48,22 +47,6 @@ pub struct LayerModel {
     pub is_group: bool,
     /// Whether elements that turn over are skipped.
     pub is_one_sided: bool,
-}
-
-/// A key view.
-#[derive(Clone, Debug)]
-pub struct KeyView {
-    /// Name of the key view.
-    pub name: String,
-    /// L pictures, each with the position of its upper left corner on the screen. `None` if the key view does not show
-    /// the layer.
-    pub pictures: Vec<Option<(Picture, [usize; 2])>>,
-    /// Positions of the K points on the screen, pixels.
-    pub points: Vec<[f64; 2]>,
-    /// Whether each of the K points is visible.
-    pub visible: Vec<bool>,
-    /// Deformation from the prototype, if the motion is lent.
-    pub deformation: Option<Deformation>,
 }
 
 /// Errors on the training views. Lengths are in pixels.

@@ -1,4 +1,5 @@
-//! Points of an object in f64, as the runtime places them, and parallel deformation (S1 §2.3, Eq. 5; METHOD §6.6).
+//! Points of an object in f64, as the runtime places them; its key views; and parallel deformation (S1 §2.3, Eq. 5;
+//! METHOD §6.6).
 //!
 //! Parallel deformation lends the motion of a prototype to an instance of the same class: `O' = R'_B + s (O_B - R_B)`
 //! plus the barycentre of the prototype. B marks points less their own barycentre.
@@ -7,6 +8,7 @@ use super::fit::{MapOutputs, given, weights};
 use super::player::Player;
 use super::set::Values;
 use crate::Error;
+use crate::page::picture::Picture;
 use crate::scattered::model::KernelModel;
 use sinew_runtime::views::Views;
 
@@ -72,6 +74,22 @@ impl ObjectMap {
         };
         after.iter().zip(&before).map(slope).collect()
     }
+}
+
+/// A key view.
+#[derive(Clone, Debug)]
+pub struct KeyView {
+    /// Name of the key view.
+    pub name: String,
+    /// L pictures, each with the position of its upper left corner on the screen. `None` if the key view does not show
+    /// the layer.
+    pub pictures: Vec<Option<(Picture, [usize; 2])>>,
+    /// Positions of the K points on the screen, pixels.
+    pub points: Vec<[f64; 2]>,
+    /// Whether each of the K points is visible.
+    pub visible: Vec<bool>,
+    /// Deformation from the prototype, if the motion is lent.
+    pub deformation: Option<Deformation>,
 }
 
 /// Deformation of an instance from its prototype in one key view.

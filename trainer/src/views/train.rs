@@ -2,7 +2,8 @@
 
 use super::fit::{Choice, FitOptions, FittedMap, fit};
 use super::mesh::Mesh;
-use super::model::{KeyView, LayerModel, Reached, ViewsModel};
+use super::model::{LayerModel, Reached, ViewsModel};
+use super::object::KeyView;
 use super::set::{Layer, View, ViewSet, cropped, triangulated};
 use crate::Error;
 use std::collections::BTreeSet;

@@ -3,8 +3,8 @@
 
 use super::fit::MapOutputs;
 use super::mesh::{Mesh, Vertex};
-use super::model::{KeyView, LayerModel, Reached, ViewsModel};
-use super::object::Deformation;
+use super::model::{LayerModel, Reached, ViewsModel};
+use super::object::{Deformation, KeyView};
 use super::set::{Element, LayerView, View, cropped};
 use crate::Error;
 use crate::scattered::model::KernelModel;

@@ -17,7 +17,7 @@ use super::lbs::training::Training;
 use super::levels::{self, LevelReport};
 use super::normals::fit_normals;
 use super::options::{FileSkins, Options, Predict};
-use super::out_of_reach;
+use super::s3::proxies::out_of_reach;
 use super::s3::{self, ProxyCount, Rotational, RotationalOptions};
 use crate::Error;
 use crate::examples::spread;

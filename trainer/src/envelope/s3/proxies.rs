@@ -5,7 +5,6 @@ use super::surface::Surface;
 use super::{ProxyCount, RotationalOptions};
 use crate::Error;
 use crate::envelope::lbs::blend::{Alternation, Blend, Items, Weights};
-use crate::envelope::out_of_reach;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::columns;
 use crate::progress::Progress;
@@ -154,6 +153,19 @@ fn fewest(
         }
     }
     Ok(found)
+}
+
+/// Returns the error of a fit that cannot reach the requested error.
+///
+/// - `limit`: requested RMS error, as a share of the diagonal.
+/// - `reached`: error with `proxies` proxies, the most there can be.
+pub(in crate::envelope) fn out_of_reach(limit: f64, reached: f64, proxies: usize) -> Error {
+    Error::fit(format!(
+        "{} % is out of reach: {proxies} helpers, the most there can be, come to {:.4} % of the \
+         diagonal",
+        100.0 * limit,
+        100.0 * reached
+    ))
 }
 
 /// Fits an affine map to each of l groups of triangles, r x 4l: to their corners, and to points along their normals.

@@ -18,7 +18,7 @@
 
 use super::keys::GradientPredictor;
 use super::merge::MergeTree;
-use super::proxies::{CountTrial, Proxies, group_maps};
+use super::proxies::{CountTrial, Proxies, group_maps, out_of_reach};
 use super::reduce::{Anchors, Reduced};
 use super::surface::Surface;
 use super::validation::Setting;
@@ -26,7 +26,6 @@ use super::{ProxyCount, RotationalOptions};
 use crate::Error;
 use crate::envelope::lbs::blend::{Blend, InTurn, Items, Supports, Weights};
 use crate::envelope::model::{Key, Reconstruction};
-use crate::envelope::out_of_reach;
 use crate::numeric::affine::homogeneous;
 use crate::numeric::columns;
 use crate::progress::Progress;

@@ -53,7 +53,7 @@ impl<'a> Source<'a> {
             "npz" => Ok(None),
             "glb" | "gltf" => gltf::read(self.file, sampling).map(Some),
             "fbx" => fbx::read(self.file, sampling).map(Some),
-            "abc" | "mdd" | "obj" | "pc2" => Err(meshes_alone()),
+            "abc" | "mdd" | "obj" | "pc2" => Err(npz::meshes_alone()),
             _ => Err(unknown_format(self.file, ".npz, .glb, .gltf or .fbx")),
         }
     }
@@ -95,14 +95,6 @@ impl<'a> Source<'a> {
     fn played(&self) -> Sampling<'a> {
         Sampling { played: true, ..self.sampling(false) }
     }
-}
-
-/// Creates the error of a file of posed meshes that is given as a scene.
-pub(super) fn meshes_alone() -> Error {
-    Error::missing(
-        "holds posed meshes, but no joints to learn from: give the scene with the joints (.fbx, .glb, .gltf), and this \
-         file as --targets",
-    )
 }
 
 /// Loads examples.

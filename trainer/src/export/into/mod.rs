@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use self::find::Found;
 use self::joints::OwnJoints;
-use super::played::Played;
+use super::play::play;
 use super::proxies::ProxyNodes;
 use super::skeleton::{rounded, wide};
 use crate::Error;
@@ -80,7 +80,7 @@ impl ExportInto<'_> {
         let Self { model, skin, examples, clips, between, levels, names, file: path } = *self;
         let in_file = |error: Error| error.in_file(path);
         let file = RiggedFile::read(path).map_err(in_file)?;
-        let played = Played::new(model, skin, examples, clips, between, levels)?;
+        let (played, further) = play(model, skin, examples, clips, between, levels)?;
         let known = joints::nodes(&file, &played.skeleton.names, &names).map_err(in_file)?;
         let root = known.get(played.skeleton.root()).copied().flatten();
         let found = Found::new(&file, root, &played.rest, examples.diagonal(), &played.poses)
@@ -117,7 +117,7 @@ impl ExportInto<'_> {
             let matrices = document.matrices(&rows);
             document.skins.push(json!({ "joints": nodes, "inverseBindMatrices": matrices }));
             let skin = document.skins.len() - 1;
-            played.further.add(&mut document, skin);
+            further.add(&mut document, skin);
         }
         let mut animations = Vec::new();
         for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
@@ -134,7 +134,7 @@ impl ExportInto<'_> {
             added_joints: joints.added,
             animations,
             kept_animations,
-            levels: played.further.reports,
+            levels: further.reports,
         })
     }
 }

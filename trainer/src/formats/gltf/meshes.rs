@@ -1,7 +1,6 @@
 //! The meshes of a glTF file, joined into one, and their vertices welded by position.
 
 use super::file::{Parsed, is_surface, numbers, other_count, triangles};
-use super::skins::no_skin;
 use crate::Error;
 use crate::formats::FormatWarning;
 use crate::formats::scene::faults;
@@ -222,6 +221,14 @@ impl Meshes {
         let end = self.instances.get(instance + 1).map_or(self.positions.len(), |next| next.first);
         self.instances[instance].first..end
     }
+}
+
+/// Makes the error for a file without a skin.
+pub(super) fn no_skin() -> Error {
+    Error::missing(
+        "no mesh has a skin, so there are no joints to learn from: bind the mesh to its armature and \
+         export with skinning; posed meshes alone serve as --targets of a scene that has one",
+    )
 }
 
 /// Returns whether a mesh has triangles.

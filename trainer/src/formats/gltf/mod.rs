@@ -1,6 +1,7 @@
 //! glTF 2.0: reads characters, posed meshes, shapes and motion, as a viewer shows them.
 
 mod file;
+mod keys;
 mod meshes;
 mod nodes;
 pub(crate) mod rigged;

@@ -1,8 +1,9 @@
 //! The skins of a glTF file, joined into one skeleton, and the scene that they move in.
 
 use super::file::{Parsed, no_such, numbers, other_count};
-use super::meshes::Meshes;
-use super::nodes::{ClipKeys, Local, Nodes};
+use super::keys::ClipKeys;
+use super::meshes::{Meshes, no_skin};
+use super::nodes::{Local, Nodes};
 use crate::Error;
 use crate::formats::FormatWarning;
 use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, faults, samples};
@@ -344,14 +345,6 @@ fn check_influences(
         }
     }
     Ok(())
-}
-
-/// Makes the error for a file without a skin.
-pub(super) fn no_skin() -> Error {
-    Error::missing(
-        "no mesh has a skin, so there are no joints to learn from: bind the mesh to its armature and \
-         export with skinning; posed meshes alone serve as --targets of a scene that has one",
-    )
 }
 
 /// Reads the joints of a skin and their inverse bind matrices, which are identities if the skin has none.

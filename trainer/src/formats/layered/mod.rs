@@ -11,7 +11,6 @@ pub(crate) use tree::PaintedLayer;
 use super::extension::extension;
 use super::pixels::Pixels;
 use crate::Error;
-use std::fmt::Display;
 use std::fs::File;
 use std::path::Path;
 
@@ -152,21 +151,6 @@ impl LayeredPicture {
         };
         Ok(Pixels { size: self.size, rgba: sum.into_iter().flat_map(straight).collect() })
     }
-}
-
-fn damaged(what: impl Display) -> Error {
-    Error::damaged(format!("is damaged: {what}"))
-}
-
-fn too_large(what: impl Display) -> Error {
-    Error::limit(format!("is too large: {what}"))
-}
-
-/// Makes the error of a clipped layer whose base cannot be represented; `base` is what lies below it, in words.
-fn wrongly_clipped(layer: &str, base: impl Display) -> Error {
-    Error::unsupported(format!(
-        "layer \"{layer}\" is clipped to {base}, expected one layer below it in its group"
-    ))
 }
 
 enum Content {

@@ -1,7 +1,6 @@
 //! OpenRaster: a zip archive of a `stack.xml` and a PNG for each layer.
 
-use super::tree::{DEPTH, Node};
-use super::{damaged, too_large, wrongly_clipped};
+use super::tree::{DEPTH, Node, damaged, too_large, wrongly_clipped};
 use crate::Error;
 use crate::formats::pixels::{Pixels, check_size, read_png};
 use roxmltree::Document;

@@ -1,7 +1,7 @@
-//! The tree of layers and groups, and its list of layers.
+//! The tree of layers and groups, its list of layers, and the errors that both formats share.
 
-use super::{too_large, wrongly_clipped};
 use crate::Error;
+use std::fmt::Display;
 
 /// Largest depth of nested groups.
 pub(super) const DEPTH: usize = 64;
@@ -136,6 +136,23 @@ impl Lists {
         }
         Ok(())
     }
+}
+
+/// Makes the error of a file that breaks its format.
+pub(super) fn damaged(what: impl Display) -> Error {
+    Error::damaged(format!("is damaged: {what}"))
+}
+
+/// Makes the error of a file beyond the limits.
+pub(super) fn too_large(what: impl Display) -> Error {
+    Error::limit(format!("is too large: {what}"))
+}
+
+/// Makes the error of a clipped layer whose base cannot be represented; `base` is what lies below it, in words.
+pub(super) fn wrongly_clipped(layer: &str, base: impl Display) -> Error {
+    Error::unsupported(format!(
+        "layer \"{layer}\" is clipped to {base}, expected one layer below it in its group"
+    ))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Clips, and the times at which they are sampled.
 
-use super::{Sample, faults};
+use super::faults;
 use crate::Error;
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -102,6 +102,15 @@ impl Clip {
     pub(crate) fn describe(&self) -> String {
         format!("{}: {}", self.name, self.times.len())
     }
+}
+
+/// A moment of a clip, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::formats) struct Sample {
+    /// Time at which the clip has the pose.
+    pub(in crate::formats) at: f64,
+    /// Time at which the pose plays.
+    pub(in crate::formats) time: f64,
 }
 
 /// Choice of the clips to sample, and of their sample times.

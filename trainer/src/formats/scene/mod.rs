@@ -6,12 +6,13 @@ mod hierarchy;
 mod names;
 mod played;
 
+pub(super) use clip::Sample;
 pub use clip::{Clip, RATES};
 pub(crate) use clip::{EVEN, RATE, Sampling};
 pub(super) use hierarchy::Hierarchy;
 pub use names::JointNames;
 pub(crate) use names::mismatch;
-pub(super) use played::{MovingJoints, Sample, samples};
+pub(super) use played::{MovingJoints, samples};
 
 use super::FormatWarning;
 use crate::Error;

@@ -1,6 +1,6 @@
 //! Sample times of a clip for playback: linear keys at these times reproduce the clip.
 
-use super::clip::{SAME_TIME, Sampling, sample_times};
+use super::clip::{SAME_TIME, Sample, Sampling, sample_times};
 use crate::Error;
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
@@ -16,15 +16,6 @@ const HALVINGS: u32 = 10;
 const FRAMES: f64 = 1.5;
 /// Places between two samples at which linear interpolation is compared with the clip.
 const PARTS: [f64; 3] = [0.25, 0.5, 0.75];
-
-/// A moment of a clip, in seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::formats) struct Sample {
-    /// Time at which the clip has the pose.
-    pub(in crate::formats) at: f64,
-    /// Time at which the pose plays.
-    pub(in crate::formats) time: f64,
-}
 
 /// World frames of the joints.
 pub(in crate::formats) type Pose = Vec<Matrix4<f64>>;

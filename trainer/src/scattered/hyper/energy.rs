@@ -1,8 +1,7 @@
 //! Energy of a sum of kernels, and its gradient by all parameters (METHOD §3).
 
 use super::least_squares::solve;
-use super::options::{Entries, Options};
-use super::wrong_number;
+use super::options::{Entries, Options, wrong_number};
 use crate::Error;
 use crate::numeric::columns::dot;
 use crate::regression::function::Exact;

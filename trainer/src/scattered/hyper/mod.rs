@@ -18,6 +18,7 @@ use crate::regression::function::order;
 use crate::scattered::sum::{KernelSum, monomials, squared};
 use energy::{Energy, Parameters, Point};
 use faer::{Mat, MatRef};
+use options::wrong_number;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -95,11 +96,6 @@ fn check(energy: &Energy, options: &Options) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Returns the error of a number that is out of its range.
-fn wrong_number(name: &str, found: f64) -> Error {
-    Error::value(format!("{name} must be finite and not negative, found {found}"))
 }
 
 fn from_seed(energy: &Energy, options: &Options, seed: u64) -> Result<(Point, Trace), Error> {

@@ -1,5 +1,6 @@
 //! Options and traces of learning.
 
+use crate::Error;
 use faer::Mat;
 use serde::Deserialize;
 use sinew_runtime::kernel::Kernel;
@@ -114,4 +115,9 @@ pub struct Step {
     pub energy: f64,
     /// Whether the step was accepted. A refused step of a gradient flow halves ω.
     pub accepted: bool,
+}
+
+/// Returns the error of a number that is out of its range.
+pub(super) fn wrong_number(name: &str, found: f64) -> Error {
+    Error::value(format!("{name} must be finite and not negative, found {found}"))
 }

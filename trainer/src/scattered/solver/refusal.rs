@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::regression::function::is_scale_invariant;
-use crate::scattered::deviation::too_far;
 use sinew_runtime::kernel::Kernel;
 use std::fmt::{Display, Formatter};
 
@@ -84,6 +83,16 @@ impl From<Refusal> for Error {
     fn from(reason: Refusal) -> Self {
         reason.advised(None, None).caused_by(reason)
     }
+}
+
+/// Returns the error of a file's deviation above the limit.
+///
+/// - `remedy`: what to change.
+pub(crate) fn too_far(deviation: f64, limit: f64, remedy: impl Display) -> Error {
+    Error::fit(format!(
+        "in single precision the function is off by {deviation:.1e} of its values' range, more than {limit:.1e}: \
+         {remedy}, or allow it by --f32-error"
+    ))
 }
 
 /// Formats a reciprocal condition for error messages. Below f64's precision no digit is known.

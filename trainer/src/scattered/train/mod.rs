@@ -21,6 +21,7 @@ use crate::scattered::sum::KernelSum;
 use faer::Mat;
 use report::Fitted;
 use sinew_runtime::kernel::{Normalise, QueryRule};
+use solved::Data;
 
 /// Factor of the fade's start. The f32 rounding of a squared distance then leaves the sample there at confidence 1.
 const ROOM: f64 = 1.0 + 1e-4;
@@ -90,14 +91,6 @@ pub fn train(problem: &Problem, variance: bool) -> Result<Trained, Error> {
         fit: figures,
     };
     Ok(Trained { model, report, deviation, warnings })
-}
-
-/// Arguments of a fit.
-struct Data<'a> {
-    problem: &'a Problem,
-    features: &'a Mat<f64>,
-    values: &'a Mat<f64>,
-    probe: &'a Probe,
 }
 
 impl Data<'_> {

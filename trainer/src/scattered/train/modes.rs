@@ -1,8 +1,7 @@
 //! Fits by the rules of other solvers, and fits with learned centres and metric.
 
-use super::Data;
 use super::report::{Fitted, LearnReport, Report};
-use super::solved::{degree_of, kernel, neighbours, samples};
+use super::solved::{Data, degree_of, kernel, neighbours, samples};
 use crate::Error;
 use crate::regression::function::order;
 use crate::scattered::bound::{largest, rounded};

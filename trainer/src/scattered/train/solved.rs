@@ -1,9 +1,9 @@
 //! Fits by METHOD §2, with every sample a centre or with fewer centres.
 
-use super::Data;
 use super::report::{Fitted, Report};
 use crate::Error;
 use crate::regression::function::{is_scale_invariant, order};
+use crate::scattered::deviation::Probe;
 use crate::scattered::model::Figures;
 use crate::scattered::problem::{Problem, ProblemOptions, Smoothing};
 use crate::scattered::solver::choose::{Choice, Freedom};
@@ -12,7 +12,16 @@ use crate::scattered::solver::options::{Options, wendland};
 use crate::scattered::solver::report::FitReport;
 use crate::scattered::solver::samples::{Conflicts, Samples, same_site};
 use crate::scattered::solver::scaling::Block;
+use faer::Mat;
 use sinew_runtime::kernel::Kernel;
+
+/// Arguments of a fit.
+pub(super) struct Data<'a> {
+    pub(super) problem: &'a Problem,
+    pub(super) features: &'a Mat<f64>,
+    pub(super) values: &'a Mat<f64>,
+    pub(super) probe: &'a Probe,
+}
 
 /// Returns the error of a function that no file can hold.
 pub(super) fn neighbours() -> Error {

@@ -42,7 +42,6 @@ use self::fields::{
 use self::sidecar::{Parent, Sidecar};
 use super::clips::{selected, selected_rows};
 use super::joined::Loaded;
-use super::source::meshes_alone;
 use crate::Error;
 use crate::examples::data::translation;
 use crate::examples::distortion::REPAIRABLE;
@@ -204,6 +203,14 @@ fn read(
     warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
     examples.place_joints();
     Ok((Loaded { examples, clips, warnings }, fps))
+}
+
+/// Creates the error of a file of posed meshes that is given as a scene.
+pub(super) fn meshes_alone() -> Error {
+    Error::missing(
+        "holds posed meshes, but no joints to learn from: give the scene with the joints (.fbx, .glb, .gltf), and this \
+         file as --targets",
+    )
 }
 
 /// Reads the parent of each joint, and makes the first root the parent of the other roots. Also returns the other

@@ -2,7 +2,7 @@
 //! bits a sample.
 
 use crate::Error;
-use crate::formats::layered::damaged;
+use crate::formats::layered::tree::damaged;
 use flate2::read::ZlibDecoder;
 use std::io::Read;
 

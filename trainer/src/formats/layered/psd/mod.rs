@@ -4,8 +4,7 @@
 
 mod bytes;
 
-use super::tree::{DEPTH, Node};
-use super::{damaged, too_large};
+use super::tree::{DEPTH, Node, damaged, too_large};
 use crate::Error;
 use crate::formats::pixels::{Pixels, check_size, product};
 use bytes::{Bytes, blocks};

@@ -1,10 +1,7 @@
-//! Appearance of a scene's meshes: names, materials and images, as glTF states them. Exports write it back.
+//! Materials, textures and images of a scene's meshes, as glTF states them.
 
-use super::extension::extension;
-use super::{fbx, gltf};
-use crate::Error;
 use serde_json::{Map, Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Appearance of the meshes of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -86,21 +83,6 @@ impl Appearance {
     fn keep_textures(&mut self, keep: impl Fn(&mut Value) -> Option<()>) {
         self.materials.iter_mut().for_each(|material| keep_textures(material, &keep));
     }
-}
-
-/// Reads the appearance of a scene's meshes (`.glb`, `.gltf`, `.fbx`). Triangles are in the order of the scene's
-/// reader. Files of other formats give an empty appearance.
-///
-/// # Errors
-/// The error names the file: the file cannot be read or is damaged. An image that cannot be read is no error; it is
-/// listed in [`Appearance::missing`].
-pub fn load(path: &Path) -> Result<Appearance, Error> {
-    let read = match extension(path).as_str() {
-        "glb" | "gltf" => gltf::rigged::read_appearance(path),
-        "fbx" => fbx::appearance::read(path),
-        _ => Ok(Appearance::default()),
-    };
-    read.map_err(|error| error.in_file(path))
 }
 
 /// Returns the media type of an image, by its first bytes.
