@@ -15,6 +15,8 @@
 
 pub mod bake;
 pub mod check;
+#[doc(hidden)]
+pub mod cli;
 pub mod envelope;
 mod error;
 pub mod evaluate;

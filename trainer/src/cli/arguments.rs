@@ -1,13 +1,13 @@
 //! Arguments that several commands share, and parsers of their numbers.
 
 use super::files::{OfFile, read_model};
+use crate::examples::Examples;
+use crate::space::{Conversion, SpaceRequest};
 use anyhow::Context;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_runtime::format::{Axis, Handedness, Space};
-use sinew_trainer::examples::Examples;
-use sinew_trainer::space::{Conversion, SpaceRequest};
 use std::fmt::Display;
 use std::ops::{Bound, RangeBounds};
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! Files that a command writes: checked before the work begins, moved into place when all are complete.
 
+use crate::files::PendingFile;
+use crate::formats::Content;
+use crate::page::drawing::Drawing;
 use anyhow::{Context, bail};
-use sinew_trainer::files::PendingFile;
-use sinew_trainer::formats::Content;
-use sinew_trainer::page::drawing::Drawing;
 use std::ffi::OsStr;
 use std::fs;
 use std::io::Write;

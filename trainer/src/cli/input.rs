@@ -3,14 +3,14 @@
 use super::arguments::number;
 use super::output::Bars;
 use super::{OfFile, Output};
-use anyhow::{Context, bail};
-use serde_json::{Value, json};
-use sinew_runtime::Model;
-use sinew_trainer::Error;
-use sinew_trainer::examples::{
+use crate::Error;
+use crate::examples::{
     self, Examples, Loaded, RATES, Source, Split, Warning, check_share, hash_file, load,
     load_importance,
 };
+use anyhow::{Context, bail};
+use serde_json::{Value, json};
+use sinew_runtime::Model;
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.

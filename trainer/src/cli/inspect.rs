@@ -2,6 +2,7 @@
 
 use super::arguments::{ModelArgs, describe_space, space_as_json};
 use super::{Output, Report, Run, printable};
+use crate::space::{millimetres, written};
 use serde_json::json;
 use sinew_runtime::filter::{Filter, FilterFit};
 use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind};
@@ -9,7 +10,6 @@ use sinew_runtime::kernel::{KernelMap, OutputKind};
 use sinew_runtime::record::{Record, RecordCounts};
 use sinew_runtime::views::{Layer, Views};
 use sinew_runtime::{Envelope, Model, Prior, Section, Skin};
-use sinew_trainer::space::{millimetres, written};
 use std::collections::BTreeSet;
 
 /// Shows the parts, figures and bytes of a model file

@@ -85,7 +85,8 @@ fn explained(command: clap::Command) -> clap::Command {
     command.after_long_help(own + WORDS).mut_subcommands(explained)
 }
 
-pub(crate) fn main() -> ExitCode {
+/// Runs the program `sinew` with the arguments of this process.
+pub fn main() -> ExitCode {
     let matches = explained(Cli::command()).get_matches();
     let Cli { command, output } =
         Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());

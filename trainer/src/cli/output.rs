@@ -1,9 +1,9 @@
 //! Output of a command: its result, warnings, errors and progress.
 
+use crate::examples::{Severity, Warning};
+use crate::progress::Progress;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use sinew_trainer::examples::{Severity, Warning};
-use sinew_trainer::progress::Progress;
 use std::fmt::Display;
 use std::io::{IsTerminal, Write};
 use std::sync::Mutex;

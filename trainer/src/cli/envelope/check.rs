@@ -1,16 +1,16 @@
 //! `sinew check`: faults and gaps of examples, before a training.
 
+use crate::check::coverage::Coverage;
+use crate::check::finding::{Severity, Topic, short};
+use crate::check::redundancy::Predicted;
+use crate::check::{Check, check};
 use crate::cli::report::wrapped;
 use crate::cli::{Bars, Output, Report, Run, counted, input, printable, table};
+use crate::evaluate::{LBS, NOTHING, OWN_WEIGHTS};
+use crate::examples::Warning;
+use crate::space::written;
 use anyhow::Context;
 use sinew_runtime::format::Space;
-use sinew_trainer::check::coverage::Coverage;
-use sinew_trainer::check::finding::{Severity, Topic, short};
-use sinew_trainer::check::redundancy::Predicted;
-use sinew_trainer::check::{Check, check};
-use sinew_trainer::evaluate::{LBS, NOTHING, OWN_WEIGHTS};
-use sinew_trainer::examples::Warning;
-use sinew_trainer::space::written;
 
 /// Checks examples before a training, and says what to mend or add
 ///

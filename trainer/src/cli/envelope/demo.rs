@@ -3,18 +3,18 @@
 use super::table;
 use super::train;
 use crate::cli::{Bars, Output, OutputFile, Report, Run, count, files, input};
+use crate::envelope::FileSkins;
+use crate::envelope::clean::Inliers;
+use crate::evaluate::{Evaluation, Frames};
+use crate::examples::demo::{DemoOptions, demo};
+use crate::examples::{Clip, Examples, Split, npz};
+use crate::export::{by_use, demo_glb};
+use crate::formats::save_pc2;
+use crate::progress::Silent;
+use crate::report::comparison::{Comparison, NamedExamples, NamedModel};
+use crate::report::{Page, PictureOptions};
 use anyhow::bail;
 use sinew_runtime::Model;
-use sinew_trainer::envelope::FileSkins;
-use sinew_trainer::envelope::clean::Inliers;
-use sinew_trainer::evaluate::{Evaluation, Frames};
-use sinew_trainer::examples::demo::{DemoOptions, demo};
-use sinew_trainer::examples::{Clip, Examples, Split, npz};
-use sinew_trainer::export::{by_use, demo_glb};
-use sinew_trainer::formats::save_pc2;
-use sinew_trainer::progress::Silent;
-use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::report::{Page, PictureOptions};
 use std::path::{Path, PathBuf};
 
 /// The demo has no inputs.

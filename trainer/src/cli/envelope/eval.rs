@@ -5,12 +5,10 @@ use crate::cli::{
     Bars, ModelArgs, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, files, input, named,
     number,
 };
+use crate::evaluate::{Character, Evaluation, Frames, NOTHING, SkinnedFrame, TrainingRecord, skin};
+use crate::examples::{Clip, Examples, Loaded, Split, Warning, numbered};
+use crate::{Error, ErrorKind};
 use anyhow::{Context, bail};
-use sinew_trainer::evaluate::{
-    Character, Evaluation, Frames, NOTHING, SkinnedFrame, TrainingRecord, skin,
-};
-use sinew_trainer::examples::{Clip, Examples, Loaded, Split, Warning, numbered};
-use sinew_trainer::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Measures a model on examples, beside linear blend skinning

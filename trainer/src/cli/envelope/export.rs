@@ -6,17 +6,17 @@ use crate::cli::{
     Bars, ModelArgs, OfFile, Output, OutputFile, Report, Run, StatedSpace, ending, files, input,
     number, printable,
 };
+use crate::envelope::levels::check_places;
+use crate::envelope::posed::rest;
+use crate::evaluate::Character;
+use crate::examples::{Clip, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
+use crate::export::{Export, ExportInto, Grafted, Stand, check_clips};
+use crate::formats::appearance;
+use crate::space::SpaceRequest;
+use crate::{Error, ErrorKind};
 use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
-use sinew_trainer::envelope::levels::check_places;
-use sinew_trainer::envelope::posed::rest;
-use sinew_trainer::evaluate::Character;
-use sinew_trainer::examples::{Clip, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
-use sinew_trainer::export::{Export, ExportInto, Grafted, Stand, check_clips};
-use sinew_trainer::formats::appearance;
-use sinew_trainer::space::SpaceRequest;
-use sinew_trainer::{Error, ErrorKind};
 use std::mem::take;
 use std::path::{Path, PathBuf};
 

@@ -1,11 +1,11 @@
 //! Further meshes on the joints of a model: arguments, warnings and errors.
 
 use crate::cli::{Output, Report};
+use crate::envelope::levels::{Level, LevelReport, NEAR, OWN};
+use crate::formats::MeshFile;
+use crate::space::{Conversion, beside, written};
 use anyhow::bail;
 use sinew_runtime::format::Space;
-use sinew_trainer::envelope::levels::{Level, LevelReport, NEAR, OWN};
-use sinew_trainer::formats::MeshFile;
-use sinew_trainer::space::{Conversion, beside, written};
 use std::path::{Path, PathBuf};
 
 /// Further meshes.

@@ -3,11 +3,11 @@
 use super::eval::MeasuredArgs;
 use super::table;
 use crate::cli::{Bars, Output, OutputFile, Report, Run, StatedSpace, files};
+use crate::evaluate::Character;
+use crate::examples::{Clip, Loaded};
+use crate::report::comparison::{Comparison, NamedExamples, NamedModel};
+use crate::report::{Page, PictureOptions, outputs};
 use anyhow::Context;
-use sinew_trainer::evaluate::Character;
-use sinew_trainer::examples::{Clip, Loaded};
-use sinew_trainer::report::comparison::{Comparison, NamedExamples, NamedModel};
-use sinew_trainer::report::{Page, PictureOptions, outputs};
 use std::path::{Path, PathBuf};
 
 /// Writes a page that shows where the error of a model is

@@ -1,11 +1,11 @@
 //! Tables of a training and of measurements.
 
 use crate::cli::{counted, table};
-use sinew_trainer::envelope::choose::report::{CandidateReport, TrainingReport};
-use sinew_trainer::envelope::s3::Method;
-use sinew_trainer::evaluate::{Confidence, Errors, Evaluation, LBS, OWN_WEIGHTS, Region};
-use sinew_trainer::settings::{COEFFICIENTS_COST, TIED, UNSEEN};
-use sinew_trainer::space::written;
+use crate::envelope::choose::report::{CandidateReport, TrainingReport};
+use crate::envelope::s3::Method;
+use crate::evaluate::{Confidence, Errors, Evaluation, LBS, OWN_WEIGHTS, Region};
+use crate::settings::{COEFFICIENTS_COST, TIED, UNSEEN};
+use crate::space::written;
 
 /// Writes the candidates, the choice and its errors on the training frames.
 ///

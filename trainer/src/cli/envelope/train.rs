@@ -2,27 +2,27 @@
 
 use super::levels::{self, AlsoArguments};
 use super::table;
+use crate::check::finding::{Finding, Kind, Severity};
+use crate::check::judge;
 use crate::cli::arguments::TargetSpace;
 use crate::cli::{
     Bars, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, count, files, input, number,
     space_as_json,
 };
+use crate::envelope::clean::Inliers;
+use crate::envelope::lbs::blend::CANDIDATES;
+use crate::envelope::levels::check_places;
+use crate::envelope::s3::{Method, ProxyCount};
+use crate::envelope::{FileSkins, Options, Predict, Trained, train_on};
+use crate::evaluate::NOTHING;
+use crate::examples::{Loaded, Split, Warning};
+use crate::progress::Silent;
+use crate::settings::{Settings, TIED, UNSEEN};
+use crate::space::beside;
 use anyhow::{Context, bail};
 use clap::ValueEnum;
 use serde_json::json;
 use sinew_runtime::{Limits, envelope};
-use sinew_trainer::check::finding::{Finding, Kind, Severity};
-use sinew_trainer::check::judge;
-use sinew_trainer::envelope::clean::Inliers;
-use sinew_trainer::envelope::lbs::blend::CANDIDATES;
-use sinew_trainer::envelope::levels::check_places;
-use sinew_trainer::envelope::s3::{Method, ProxyCount};
-use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train_on};
-use sinew_trainer::evaluate::NOTHING;
-use sinew_trainer::examples::{Loaded, Split, Warning};
-use sinew_trainer::progress::Silent;
-use sinew_trainer::settings::{Settings, TIED, UNSEEN};
-use sinew_trainer::space::beside;
 use std::path::PathBuf;
 
 /// Fits an envelope to example poses and bakes it into a model

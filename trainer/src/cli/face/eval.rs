@@ -2,12 +2,12 @@
 
 use super::input;
 use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, count, table};
+use crate::face::baked::BakedFace;
+use crate::face::evaluate::{Evaluation, Protocol};
+use crate::face::outline;
+use crate::face::picture::Photographer;
+use crate::face::report;
 use anyhow::bail;
-use sinew_trainer::face::baked::BakedFace;
-use sinew_trainer::face::evaluate::{Evaluation, Protocol};
-use sinew_trainer::face::outline;
-use sinew_trainer::face::picture::Photographer;
-use sinew_trainer::face::report;
 use std::ops::Range;
 use std::path::PathBuf;
 

@@ -1,14 +1,14 @@
 //! Faces, takes and ranges: arguments, and reading of their files.
 
 use crate::cli::{ModelArgs, OfFile, Output, counted, printable};
+use crate::envelope::model::{FileModel, PriorModel, SkinModel};
+use crate::face::baked::BakedFace;
+use crate::face::names::listed;
+use crate::face::outline::Outline;
+use crate::face::take::{self, Largest, Take};
+use crate::face::train::sliders;
 use sinew_runtime::Model;
 use sinew_runtime::prior::Anchor;
-use sinew_trainer::envelope::model::{FileModel, PriorModel, SkinModel};
-use sinew_trainer::face::baked::BakedFace;
-use sinew_trainer::face::names::listed;
-use sinew_trainer::face::outline::Outline;
-use sinew_trainer::face::take::{self, Largest, Take};
-use sinew_trainer::face::train::sliders;
 use std::ops::Range;
 use std::path::Path;
 

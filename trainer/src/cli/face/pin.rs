@@ -6,15 +6,15 @@ use crate::cli::{
     ModelArgs, OfFile, Output, OutputFile, POSITIVE, Report, Run, count, files, named, number,
     table,
 };
+use crate::face::baked::{BakedFace, Shaped};
+use crate::face::outline::{self, Outline};
+use crate::face::picture::{Paint, Photographer};
+use crate::face::scene::{Weights, glb};
+use crate::face::take;
 use anyhow::Context;
 use serde_json::json;
 use sinew_runtime::Model;
 use sinew_runtime::prior::{Anchor, Edit, PinJob};
-use sinew_trainer::face::baked::{BakedFace, Shaped};
-use sinew_trainer::face::outline::{self, Outline};
-use sinew_trainer::face::picture::{Paint, Photographer};
-use sinew_trainer::face::scene::{Weights, glb};
-use sinew_trainer::face::take;
 use std::path::PathBuf;
 
 /// Drags vertices of a face and lets the rest follow as in the take

@@ -1,9 +1,9 @@
 //! Pins: arguments, constraints of a solve, and results.
 
+use crate::face::baked::Shaped;
 use anyhow::{Context, bail};
 use nalgebra::{Matrix2, Matrix2x3, Vector2, Vector3};
 use sinew_runtime::prior::Pin;
-use sinew_trainer::face::baked::Shaped;
 
 /// Projection of a position (x, y, z, 1) to a screen, two rows of four.
 pub(super) type Projection = [[f64; 4]; 2];

@@ -4,13 +4,13 @@ use super::input::ANCHORS;
 use crate::cli::{
     ModelArgs, OfFile, Output, OutputFile, POSITIVE, Report, Run, ending, named, number,
 };
+use crate::face::baked::BakedFace;
+use crate::face::evaluate::{cardinality, roughness};
+use crate::face::outline;
+use crate::face::scene::{Weights, glb};
+use crate::face::{take, track};
 use anyhow::Context;
 use sinew_runtime::prior::{Anchor, PinJob, Temporal};
-use sinew_trainer::face::baked::BakedFace;
-use sinew_trainer::face::evaluate::{cardinality, roughness};
-use sinew_trainer::face::outline;
-use sinew_trainer::face::scene::{Weights, glb};
-use sinew_trainer::face::{take, track};
 use std::path::PathBuf;
 
 /// Finds the weights of an animation from tracked points

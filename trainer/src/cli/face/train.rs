@@ -6,15 +6,15 @@ use crate::cli::{
     OfFile, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, counted, named, number,
     printable, space_as_json,
 };
+use crate::envelope::model::{FileModel, ShapeNumbers};
+use crate::face::baked::BakedFace;
+use crate::face::basis::Basis;
+use crate::face::outline;
+use crate::face::prior::is_moving;
+use crate::face::source::{self, Source};
+use crate::face::train::{HANDLES, Options, measure, of_meshes, of_take};
 use anyhow::{Context, bail};
 use sinew_runtime::Model;
-use sinew_trainer::envelope::model::{FileModel, ShapeNumbers};
-use sinew_trainer::face::baked::BakedFace;
-use sinew_trainer::face::basis::Basis;
-use sinew_trainer::face::outline;
-use sinew_trainer::face::prior::is_moving;
-use sinew_trainer::face::source::{self, Source};
-use sinew_trainer::face::train::{HANDLES, Options, measure, of_meshes, of_take};
 use std::path::PathBuf;
 
 /// Learns which expressions of a face go together

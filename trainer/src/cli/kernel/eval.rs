@@ -1,12 +1,12 @@
 //! `sinew kernel eval` and `check`: a function at queries, and comparison with another solver.
 
 use crate::cli::{ModelArgs, OfFile, Output, Report, Run, printable, table};
+use crate::scattered::compat::{CaseReport, Cases, DEVIATION, RCOND};
+use crate::scattered::model::{inputs_of, query_numbers};
+use crate::scattered::problem::read_queries;
 use anyhow::Context;
 use serde_json::{Value, json};
 use sinew_runtime::kernel::KernelMap;
-use sinew_trainer::scattered::compat::{CaseReport, Cases, DEVIATION, RCOND};
-use sinew_trainer::scattered::model::{inputs_of, query_numbers};
-use sinew_trainer::scattered::problem::read_queries;
 use std::path::PathBuf;
 
 /// Evaluates a function at queries, as an engine does

@@ -3,9 +3,9 @@
 use super::eval::columns;
 use crate::cli::files::drawn;
 use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, printable};
+use crate::scattered::plot::{Panel, Plot, all_kernels};
 use anyhow::{Context, bail};
 use sinew_runtime::kernel::{InputKind, KernelMap};
-use sinew_trainer::scattered::plot::{Panel, Plot, all_kernels};
 use std::path::PathBuf;
 
 /// Draws a function of one or two numbers, with its samples

@@ -1,12 +1,12 @@
 //! `sinew kernel train`: from samples to a function in a file.
 
+use crate::bake::bake;
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, named, printable};
+use crate::scattered::bake::part;
+use crate::scattered::problem::{ProblemOptions, Smoothing, read};
+use crate::scattered::train::{self, Trained};
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::QueryRule;
-use sinew_trainer::bake::bake;
-use sinew_trainer::scattered::bake::part;
-use sinew_trainer::scattered::problem::{ProblemOptions, Smoothing, read};
-use sinew_trainer::scattered::train::{self, Trained};
 use std::path::PathBuf;
 
 /// Turns samples into a function, and bakes it into a file

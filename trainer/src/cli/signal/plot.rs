@@ -3,12 +3,12 @@
 use super::process::ProcessArguments;
 use crate::cli::files::drawn;
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, ending, printable};
+use crate::signal::functional::Functional;
+use crate::signal::grid::Sample;
+use crate::signal::observations::Observations;
+use crate::signal::plot::SignalPlot;
+use crate::signal::table::read_signal;
 use anyhow::Context;
-use sinew_trainer::signal::functional::Functional;
-use sinew_trainer::signal::grid::Sample;
-use sinew_trainer::signal::observations::Observations;
-use sinew_trainer::signal::plot::SignalPlot;
-use sinew_trainer::signal::table::read_signal;
 use std::path::{Path, PathBuf};
 
 /// Draws a signal or a function, with a band around it

@@ -1,12 +1,12 @@
 //! The process of a signal, as the command line states it.
 
+use crate::Error;
 use crate::cli::{OfFile, Output, named};
-use sinew_trainer::Error;
-use sinew_trainer::signal::choose::{TAPS, best, estimated, of_images, variance};
-use sinew_trainer::signal::covariance::{Covariance, Subject};
-use sinew_trainer::signal::grid::{Grid, GridFilter, Sample, Shape};
-use sinew_trainer::signal::kriging::{Mean, Process};
-use sinew_trainer::signal::table::read_table;
+use crate::signal::choose::{TAPS, best, estimated, of_images, variance};
+use crate::signal::covariance::{Covariance, Subject};
+use crate::signal::grid::{Grid, GridFilter, Sample, Shape};
+use crate::signal::kriging::{Mean, Process};
+use crate::signal::table::read_table;
 use std::path::Path;
 
 /// Assumed process of a signal.

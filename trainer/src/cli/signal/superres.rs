@@ -2,12 +2,12 @@
 
 use super::process::ProcessArguments;
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, ending, load};
+use crate::signal::grid::Sample;
+use crate::signal::image::Image;
+use crate::signal::sum::samples_remedy;
+use crate::signal::table::read_signal;
 use anyhow::{Context, bail};
 use sinew_runtime::filter::Samples;
-use sinew_trainer::signal::grid::Sample;
-use sinew_trainer::signal::image::Image;
-use sinew_trainer::signal::sum::samples_remedy;
-use sinew_trainer::signal::table::read_signal;
 use std::path::{Path, PathBuf};
 
 /// Makes an image (.png) or a column of a CSV finer

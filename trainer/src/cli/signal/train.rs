@@ -1,17 +1,17 @@
 //! `sinew signal train` and `fit`: from a signal to a filter, and from observations to a function, in a file.
 
 use super::process::ProcessArguments;
+use crate::bake::bake;
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, count};
+use crate::scattered;
+use crate::signal::choose::variance;
+use crate::signal::model::{self, FilterModel, LeftOut};
+use crate::signal::observations::{Observations, function};
+use crate::signal::sum::{Remedy, samples_remedy};
+use crate::signal::table::read_signal;
 use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::Space;
-use sinew_trainer::bake::bake;
-use sinew_trainer::scattered;
-use sinew_trainer::signal::choose::variance;
-use sinew_trainer::signal::model::{self, FilterModel, LeftOut};
-use sinew_trainer::signal::observations::{Observations, function};
-use sinew_trainer::signal::sum::{Remedy, samples_remedy};
-use sinew_trainer::signal::table::read_signal;
 use std::path::PathBuf;
 
 /// Learns a filter from a signal that makes signals of its kind finer

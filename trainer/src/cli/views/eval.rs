@@ -3,8 +3,8 @@
 use super::input::SetArguments;
 use crate::cli::report::figure;
 use crate::cli::{ModelArgs, OfFile, Output, OutputFile, Report, Run, load};
-use sinew_trainer::views::evaluate::evaluate;
-use sinew_trainer::views::report::report;
+use crate::views::evaluate::evaluate;
+use crate::views::report::report;
 use std::path::PathBuf;
 
 /// Measures a model on views: points, visibility and pictures

@@ -3,11 +3,11 @@
 use super::input::{MapArgs, assignment, read_path, values};
 use crate::cli::files::{make_folder, write};
 use crate::cli::{OfFile, Output, OutputFile, Report, Run};
+use crate::views::export::{Grid, Side, glb, puppet, spine};
+use crate::views::set::Values;
 use anyhow::bail;
 use serde_json::{Value, json};
 use sinew_runtime::Model;
-use sinew_trainer::views::export::{Grid, Side, glb, puppet, spine};
-use sinew_trainer::views::set::Values;
 use std::path::{Path, PathBuf};
 
 /// Usage, one line for each format.

@@ -3,13 +3,13 @@
 use super::input::{Follower, MapArgs, read_path, read_track};
 use crate::cli::files::write;
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, count, counted, ending, number};
+use crate::files;
+use crate::page::picture::{Gif, Picture};
+use crate::views::player::straight;
+use crate::views::set::Values;
 use anyhow::{Context, bail};
 use serde::Serialize;
 use serde_json::json;
-use sinew_trainer::files;
-use sinew_trainer::page::picture::{Gif, Picture};
-use sinew_trainer::views::player::straight;
-use sinew_trainer::views::set::Values;
 use std::path::PathBuf;
 
 /// Draws the object along a path of parameters

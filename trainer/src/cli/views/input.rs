@@ -1,14 +1,14 @@
 //! Sets of views, maps, parameters, paths and tracked points: arguments, and reading of their files.
 
+use crate::Error;
 use crate::cli::{ModelArgs, OfFile};
+use crate::views::inverse::{Found, starts};
+use crate::views::object::ObjectMap;
+use crate::views::player::Player;
+use crate::views::set::{Values, ViewSet, read, read_drawing};
 use anyhow::bail;
 use serde::Deserialize;
 use sinew_runtime::Model;
-use sinew_trainer::Error;
-use sinew_trainer::views::inverse::{Found, starts};
-use sinew_trainer::views::object::ObjectMap;
-use sinew_trainer::views::player::Player;
-use sinew_trainer::views::set::{Values, ViewSet, read, read_drawing};
 use std::path::{Path, PathBuf};
 
 /// Model with views, and one of its maps.

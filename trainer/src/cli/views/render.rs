@@ -2,11 +2,11 @@
 
 use super::input::{Follower, MapArgs, assignment, read_track, values};
 use crate::cli::{OfFile, Output, OutputFile, Report, Run};
+use crate::views::object::ObjectMap;
+use crate::views::pin::{Pin, bend, follow};
+use crate::views::player::straight;
+use crate::views::set::Values;
 use anyhow::bail;
-use sinew_trainer::views::object::ObjectMap;
-use sinew_trainer::views::pin::{Pin, bend, follow};
-use sinew_trainer::views::player::straight;
-use sinew_trainer::views::set::Values;
 use std::path::{Path, PathBuf};
 
 /// Draws the object at parameters, or from tracked points

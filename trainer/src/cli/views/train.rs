@@ -1,18 +1,18 @@
 //! `sinew views demo`, `train` and `transfer`: sets to try, and objects from views.
 
 use super::input::SetArguments;
+use crate::bake::bake;
 use crate::cli::files::{write, wrote};
 use crate::cli::{OfFile, Output, OutputFile, Report, Run, counted, load, printable, table};
+use crate::views::control::control;
+use crate::views::demo;
+use crate::views::fit::{Candidate, Choice, FitOptions};
+use crate::views::model::parts;
+use crate::views::set::{ViewSet, as_json, read_instance};
+use crate::views::train::{Trained, train};
+use crate::views::transfer::transfer;
 use anyhow::bail;
 use sinew_runtime::format::Space;
-use sinew_trainer::bake::bake;
-use sinew_trainer::views::control::control;
-use sinew_trainer::views::demo;
-use sinew_trainer::views::fit::{Candidate, Choice, FitOptions};
-use sinew_trainer::views::model::parts;
-use sinew_trainer::views::set::{ViewSet, as_json, read_instance};
-use sinew_trainer::views::train::{Trained, train};
-use sinew_trainer::views::transfer::transfer;
 use std::path::{Path, PathBuf};
 
 /// Writes sets of views to try; needs no input
