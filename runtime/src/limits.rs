@@ -4,6 +4,7 @@
 ///
 /// The work of loading and evaluating grows only with these counts. Each byte of a kernel map costs
 /// one multiplication, and one per feature in a kernel's Jacobian.
+// The C ABI reads and writes this structure as `sinew_limits`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct Limits {

@@ -21,6 +21,7 @@ macro_rules! named {
         }
 
         impl $enum {
+            // The array of texts has one entry for each variant that exists with the features.
             $(#[$all])*
             pub const ALL: [Self; [$($(#[cfg(feature = $feature)])? $text),*].len()] =
                 [$($(#[cfg(feature = $feature)])? Self::$variant),*];

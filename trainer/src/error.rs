@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// A fault of a file, of examples, of a request or of a fit.
 ///
-/// `Display` writes file, frame and message in one line: what is wrong, what was expected and found, and what to
-/// change.
+/// `Display` writes file, frame and message in one line. The message names the fault, the expected and the found value,
+/// and the remedy.
 #[derive(Debug)]
 pub struct Error(Box<Fault>);
 
@@ -85,7 +85,7 @@ impl Error {
         Self::new(ErrorKind::Write, format!("cannot be written: {cause}")).caused_by(cause)
     }
 
-    /// Keeps the error of another library; the message must contain its text.
+    /// Keeps the error that caused this one; the message must contain its text.
     pub fn caused_by(mut self, cause: impl StdError + Send + Sync + 'static) -> Self {
         self.0.cause = Some(Box::new(cause));
         self
@@ -109,7 +109,7 @@ impl Error {
         self
     }
 
-    /// Puts a place before the message, as `mesh arm: vertex 3 has no weight`.
+    /// Puts a place before the message, as `mesh arm: vertex 3 has no weight`. File and frame stay before it.
     pub fn within(mut self, place: impl Display) -> Self {
         self.0.message = format!("{place}: {}", self.0.message).into();
         self
@@ -125,7 +125,8 @@ impl Error {
         self.0.file.as_deref()
     }
 
-    /// Returns the frame, if the error is about one: its number in the source, or its index if it has no number.
+    /// Returns the frame, if the error is about one: its number in the source, or its index if it has no number. `None`
+    /// also if the message names the frame and its clip.
     pub fn frame(&self) -> Option<i64> {
         self.0.frame
     }
@@ -135,7 +136,7 @@ impl Error {
         &self.0.message
     }
 
-    /// Returns the error of another library that caused this one. Its text is part of the message.
+    /// Returns the error that caused this one, if it was kept. Its text is part of the message.
     pub fn cause(&self) -> Option<&(dyn StdError + Send + Sync + 'static)> {
         self.0.cause.as_deref()
     }

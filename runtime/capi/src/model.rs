@@ -59,7 +59,13 @@ pub struct sinew_limits {
 // Calls read and write the caller's limits as the runtime's structure, which has these fields in this order.
 const _: () = {
     assert!(size_of::<sinew_limits>() == size_of::<Limits>());
+    assert!(offset_of!(sinew_limits, file_bytes) == offset_of!(Limits, file_bytes));
+    assert!(offset_of!(sinew_limits, parts) == offset_of!(Limits, parts));
     assert!(offset_of!(sinew_limits, sections) == offset_of!(Limits, sections));
+    assert!(offset_of!(sinew_limits, vertices) == offset_of!(Limits, vertices));
+    assert!(offset_of!(sinew_limits, joints) == offset_of!(Limits, joints));
+    assert!(offset_of!(sinew_limits, proxies) == offset_of!(Limits, proxies));
+    assert!(offset_of!(sinew_limits, influences) == offset_of!(Limits, influences));
     assert!(offset_of!(sinew_limits, shapes) == offset_of!(Limits, shapes));
 };
 

@@ -91,14 +91,35 @@ pub enum Kind {
 impl Kind {
     /// Returns the topic of the kind.
     pub fn topic(self) -> Topic {
-        let last = [
-            (Self::OddSize, Topic::Size),
-            (Self::RestUntested, Topic::Rest),
-            (Self::Weights, Topic::Joints),
-            (Self::Flipped, Topic::Faces),
-        ];
-        let of = last.into_iter().find(|&(last, _)| self as u8 <= last as u8);
-        of.map_or(Topic::Frames, |(_, topic)| topic)
+        match self {
+            Self::FarAway | Self::TooFar | Self::OddSize => Topic::Size,
+            Self::OtherUnits
+            | Self::OtherAxes
+            | Self::Shifted
+            | Self::Elsewhere
+            | Self::VertexOrder
+            | Self::RestDiffers
+            | Self::RestUntested => Topic::Rest,
+            Self::NonRigid | Self::Still | Self::HalfTurn | Self::Idle | Self::Weights => {
+                Topic::Joints
+            }
+            Self::NoArea
+            | Self::Winding
+            | Self::NonManifold
+            | Self::Unreferenced
+            | Self::Unwelded
+            | Self::Collapsed
+            | Self::Folded
+            | Self::Flipped => Topic::Faces,
+            Self::Repeated
+            | Self::Contradicting
+            | Self::OutOfStep
+            | Self::ClipOrder
+            | Self::WrongClip
+            | Self::UnlikeClips
+            | Self::Broken
+            | Self::OnePose => Topic::Frames,
+        }
     }
 }
 

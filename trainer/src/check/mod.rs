@@ -21,7 +21,7 @@ use crate::envelope::lbs::prior::own_weights;
 use crate::envelope::lbs::targets::Targets;
 use crate::envelope::lbs::training::Training;
 use crate::envelope::one_pose;
-use crate::evaluate::NOTHING;
+use crate::evaluate::NEGLIGIBLE_PERCENT;
 use crate::examples::{Clip, Examples, Importance};
 use crate::progress::Progress;
 use context::{Context, worst_first};
@@ -167,7 +167,7 @@ pub fn judge<'a>(
     }
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     let lbs = floor(&context);
-    let advice = match lbs.rms_percent > NOTHING {
+    let advice = match lbs.rms_percent > NEGLIGIBLE_PERCENT {
         true => advice::advice(&joints, &never_together, predicted.as_ref()),
         // Where LBS is exact, more poses teach nothing.
         false => Vec::new(),

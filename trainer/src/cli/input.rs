@@ -74,7 +74,7 @@ impl ExampleArguments {
             let mut input = loaded.inspect_err(|_| print_all(&found, is_printed, output))?;
             join_warnings(&mut found, source.file, input.warnings);
             if let Some(file) = self.importance.get(if given > 1 { number } else { 0 }) {
-                input.examples.weigh(load_importance(file)?).of(file)?;
+                input.examples.set_importance(load_importance(file)?).of(file)?;
             }
             files.push((source.file.to_owned(), input.examples, input.clips));
         }

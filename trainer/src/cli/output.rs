@@ -71,6 +71,8 @@ pub(super) fn in_a_line(error: &anyhow::Error) -> String {
         match text.as_str() {
             "" => cause,
             _ if text.ends_with(&cause) => text,
+            // The cause names the file itself.
+            _ if cause.starts_with(&format!("{text}: ")) => cause,
             _ => format!("{text}: {cause}"),
         }
     })

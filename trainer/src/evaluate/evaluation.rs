@@ -106,7 +106,7 @@ impl Frames {
 
     /// Chooses the best frames to measure a model: held-out frames, else frames that the training did not read, else
     /// training frames.
-    pub fn usual(examples: &Examples, record: &TrainingRecord) -> Self {
+    pub fn default_for(examples: &Examples, record: &TrainingRecord) -> Self {
         let split = [Self::Of(Split::HeldOut), Self::New];
         let first = split.into_iter().find(|frames| !frames.of(examples, record).is_empty());
         first.unwrap_or(Self::Of(Split::Train))

@@ -47,12 +47,12 @@ pub struct Millimetres {
 
 /// RMS error in % of the rest diagonal below which a baseline counts as exact; no error is compared with an exact
 /// baseline.
-pub const NOTHING: f64 = 1e-4;
+pub const NEGLIGIBLE_PERCENT: f64 = 1e-4;
 
 impl Errors {
     /// Returns the RMS error as a share of a baseline's; `None` if the baseline is exact.
     pub fn share_of(&self, baseline: &Self) -> Option<f64> {
-        (baseline.rms_percent > NOTHING).then(|| self.rms / baseline.rms)
+        (baseline.rms_percent > NEGLIGIBLE_PERCENT).then(|| self.rms / baseline.rms)
     }
 }
 

@@ -11,5 +11,5 @@ pub use character::{
 pub use evaluation::{Evaluation, Frames, Region, evaluate};
 pub use measured::{
     Baselines, Confidence, Errors, LBS, Measured, MeasuredBaseline, MeasuredFrame, Millimetres,
-    NOTHING, OWN_WEIGHTS,
+    NEGLIGIBLE_PERCENT, OWN_WEIGHTS,
 };

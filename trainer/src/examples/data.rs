@@ -9,15 +9,15 @@ use std::ops::Range;
 /// A rigid or affine map as three rows of four: `y = m[..][0..3] x + m[..][3]`.
 pub type Matrix3x4 = [[f64; 4]; 3];
 
-/// Use of a frame.
+/// Use of a frame. The numbers are the codes in files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
     /// Training: the fit and every choice read the frame.
-    Train,
+    Train = 0,
     /// Test: read only for reports, after every choice is made.
-    HeldOut,
+    HeldOut = 1,
     /// Test with poses outside the training range, reported separately.
-    Extreme,
+    Extreme = 2,
 }
 
 impl Split {
@@ -91,7 +91,7 @@ pub struct Examples {
     /// vertex may have none.
     pub joint_weights: Option<Vec<f64>>,
     /// Weight of each vertex in fits and in measured errors, V, of mean 1; `None` for equal weights. Set by
-    /// [`Examples::weigh`].
+    /// [`Examples::set_importance`].
     pub importance: Option<Vec<f64>>,
     /// Number of times each frame counts in a fit, N; `None` for once. Set by [`Examples::repeat`].
     pub frame_weights: Option<Vec<u8>>,

@@ -45,7 +45,7 @@ impl Examples {
     ///
     /// # Errors
     /// The count is wrong, a number is negative or not finite, or all numbers are 0.
-    pub fn weigh(&mut self, mut numbers: Vec<f64>) -> Result<(), Error> {
+    pub fn set_importance(&mut self, mut numbers: Vec<f64>) -> Result<(), Error> {
         if numbers.len() == self.surface().engine_len() {
             numbers = self.surface().of_first_copies(&numbers);
         }
@@ -115,7 +115,7 @@ mod tests {
     fn only_ratios_matter() {
         let mut examples = triangle(1);
         assert_eq!(examples.importance().of(2), 1.0);
-        examples.weigh(vec![2e300, 4e300, 0.0]).unwrap();
+        examples.set_importance(vec![2e300, 4e300, 0.0]).unwrap();
         let importance = [0, 1, 2].map(|vertex| examples.importance().of(vertex));
         assert_eq!(importance, [1.0, 2.0, 0.0]);
     }
@@ -130,9 +130,9 @@ mod tests {
             tangents: None,
             uv: None,
         });
-        examples.weigh(vec![1.0, 2.0, 7.0, 0.0]).unwrap();
+        examples.set_importance(vec![1.0, 2.0, 7.0, 0.0]).unwrap();
         assert_eq!([0, 1, 2].map(|vertex| examples.importance().of(vertex)), [1.0, 2.0, 0.0]);
-        assert!(examples.weigh(vec![1.0; 5]).is_err());
+        assert!(examples.set_importance(vec![1.0; 5]).is_err());
     }
 
     #[test]
@@ -147,7 +147,7 @@ mod tests {
             (vec![1.0, 1.0, f64::NAN], "vertex 2"),
             (vec![0.0; 3], "the importance of every vertex is 0"),
         ] {
-            let error = examples.weigh(numbers).unwrap_err().to_string();
+            let error = examples.set_importance(numbers).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         }
         assert!(examples.importance.is_none());

@@ -65,7 +65,7 @@ impl Examples {
     /// # Errors
     /// - [`Mismatch`](crate::ErrorKind::Mismatch): counts differ, a vertex has no engine vertex, or an engine triangle
     ///   differs from the mesh's.
-    /// - [`Missing`](crate::ErrorKind::Missing): a count is 0, no frame trains, or a joint has no parent.
+    /// - [`Missing`](crate::ErrorKind::Missing): a count is 0, no frame trains, or a joint's parent does not exist.
     /// - [`Value`](crate::ErrorKind::Value): two joints have one name, or joints are their own ancestors; axes are
     ///   parallel; a named range is wrong; a number is not finite in any frame, or outside the range of a model; a
     ///   joint weight is negative or not finite; a face names a vertex that does not exist; no face has an area; a map

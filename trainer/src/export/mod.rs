@@ -15,5 +15,5 @@ mod skeleton;
 mod stretch;
 
 pub use into::{ExportInto, Grafted};
-pub use scene::{Export, Exported, Stand, by_use, demo_glb};
+pub use scene::{Export, Exported, Placement, by_use, demo_glb};
 pub use skeleton::check_clips;

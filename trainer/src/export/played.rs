@@ -5,7 +5,7 @@ use sinew_runtime::format::Space;
 use std::ops::Range;
 
 use super::proxies;
-use super::skeleton::{check_clips, key_times};
+use super::skeleton::times;
 use crate::Error;
 use crate::envelope::levels::Influences;
 use crate::envelope::posed::{influences, palette, rest};
@@ -55,8 +55,7 @@ impl<'a> Played<'a> {
         clips: &[Clip],
     ) -> Result<Self, Error> {
         let character = Character::open(model, skin, examples)?;
-        check_clips(clips)?;
-        let times = clips.iter().map(key_times).collect::<Result<Vec<_>, _>>()?;
+        let times = times(clips)?;
         let frames: Vec<usize> =
             clips.iter().flat_map(|clip| clip.first..clip.first + clip.times.len()).collect();
         examples.check_rigid_in(&frames)?;

@@ -21,7 +21,7 @@ const NOTE: &str = "The skin follows nodes called proxy_N under the skeleton's j
 
 /// Orientation and scale of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stand {
+pub enum Placement {
     /// As in the model.
     AsModel,
     /// Rotated from z up to y up, about x.
@@ -58,7 +58,7 @@ pub struct Export<'a> {
     /// Materials and names of the mesh. Each known name becomes a mesh, each known material a primitive.
     pub appearance: &'a Appearance,
     /// Orientation and scale of the scene.
-    pub stand: Stand,
+    pub placement: Placement,
 }
 
 impl Export<'_> {
@@ -74,7 +74,7 @@ impl Export<'_> {
     ///   left-handed.
     /// - [`ErrorKind::Limit`](crate::ErrorKind::Limit): the file would be too large.
     pub fn run(&self) -> Result<Exported, Error> {
-        let Self { model, skin, examples, clips, between, levels, appearance, stand } = *self;
+        let Self { model, skin, examples, clips, between, levels, appearance, placement } = *self;
         let (played, further) = play(model, skin, examples, clips, between, levels)?;
         let skin = &played.character.skin;
         let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
@@ -87,7 +87,8 @@ impl Export<'_> {
         }
 
         let mut document = Document::new(NOTE);
-        let armature = document.node("armature".to_owned(), None, &armature(&played.space, stand)?);
+        let armature =
+            document.node("armature".to_owned(), None, &armature(&played.space, placement)?);
         let joints = JointNodes::new(&mut document, armature, &played.skeleton);
         let proxies =
             ProxyNodes::new(&mut document, &joints.carriers(), &played.centres, &played.carriers);
@@ -122,20 +123,20 @@ impl Export<'_> {
 }
 
 /// Returns the armature's transform, which puts the right-handed model into the requested space.
-fn armature(model: &Space, stand: Stand) -> Result<Placed, Error> {
-    let conversion = match stand {
-        Stand::AsModel => None,
-        Stand::Upright => {
+fn armature(model: &Space, placement: Placement) -> Result<Placed, Error> {
+    let conversion = match placement {
+        Placement::AsModel => None,
+        Placement::Upright => {
             let space =
                 |up, forward| Space { up: Some(up), forward: Some(forward), ..Space::default() };
             Conversion::between(&space(Axis::Z, Axis::MinusY), &space(Axis::Y, Axis::Z))
         }
-        Stand::In(SpaceRequest { handedness: Some(Handedness::Left), .. }) => {
+        Placement::In(SpaceRequest { handedness: Some(Handedness::Left), .. }) => {
             return Err(Error::unsupported(
                 "glTF is right-handed: leave out --to-hand left, engines mirror it as they import it",
             ));
         }
-        Stand::In(request) => Conversion::to(*model, &request)?.1,
+        Placement::In(request) => Conversion::to(*model, &request)?.1,
     };
     Ok(conversion.map_or(Placed::AT_PARENT, |conversion| Placed {
         rotation: quaternion(&turned(&conversion.axes)),

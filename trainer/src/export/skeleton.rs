@@ -191,12 +191,20 @@ pub(super) fn key_times(clip: &Clip) -> Result<Vec<f32>, Error> {
 /// precision.
 ///
 /// # Errors
-/// Names the clip.
+/// There is no clip, or a clip has no frames or times that do not ascend; then the message names the clip.
 pub fn check_clips(clips: &[Clip]) -> Result<(), Error> {
+    times(clips).map(drop)
+}
+
+/// Returns the times of each clip in single precision.
+///
+/// # Errors
+/// As [`check_clips`].
+pub(super) fn times(clips: &[Clip]) -> Result<Vec<Vec<f32>>, Error> {
     if clips.is_empty() {
         return Err(no_frames("the examples have no clip"));
     }
-    clips.iter().try_for_each(|clip| key_times(clip).map(|_| ()))
+    clips.iter().map(key_times).collect()
 }
 
 fn no_frames(why: impl Display) -> Error {

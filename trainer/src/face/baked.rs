@@ -101,7 +101,7 @@ impl<'a> BakedFace<'a> {
 
     /// Solves for the weights that satisfy pins.
     ///
-    /// - `options`: those of [`Self::edit`], or others; their pins are not used.
+    /// - `options`: those of [`Self::edit`], or others; their prior, skin, palette and pins are not used.
     /// - `scratch`: reused between calls; solves with the same pins are then fast.
     /// - `weights`: S, changed in place.
     ///
@@ -118,7 +118,8 @@ impl<'a> BakedFace<'a> {
         pins.iter().try_for_each(|pin| list.add(*pin))?;
         let len = self.prior.counts().pin_scratch_len(list.list().scalar_len());
         scratch.resize(scratch.len().max(len), 0.0);
-        PinJob { pins: list.list(), ..*options }.run(scratch, weights)
+        let job = PinJob { prior: self.prior, skin: self.skin, palette: &[], ..*options };
+        PinJob { pins: list.list(), ..job }.run(scratch, weights)
     }
 }
 

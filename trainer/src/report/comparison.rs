@@ -91,7 +91,7 @@ impl<'a> Series<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Measures a model and the baselines on the given frames, or on [`Frames::usual`].
+    /// Measures a model and the baselines on the given frames, or on [`Frames::default_for`].
     ///
     /// # Errors
     /// The errors of [`crate::evaluate::evaluate`].
@@ -103,7 +103,7 @@ impl<'a> Comparison<'a> {
         let NamedExamples { examples, .. } = source;
         let character = Character::open(file.bytes, file.skin, examples)?;
         let record = TrainingRecord::of(file.bytes, &character, examples);
-        let frames = frames.unwrap_or_else(|| Frames::usual(examples, &record));
+        let frames = frames.unwrap_or_else(|| Frames::default_for(examples, &record));
         let chosen = frames.measurable(examples, &record)?;
         let measured = Measured::model(&character, examples, &chosen)?;
         let baselines = Baselines::new(&record, examples, &chosen);

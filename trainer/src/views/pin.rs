@@ -158,8 +158,14 @@ fn examples(model: &KernelModel) -> Vec<Vec<f64>> {
 
 /// Returns the angles about x, y and z of a rotation matrix (by rows) in an order, degrees.
 fn angles(order: EulerOrder, matrix: &[f64; 9]) -> [f64; 3] {
-    let name = order.name().as_bytes();
-    let [i, j, k] = [0, 1, 2].map(|at| usize::from(name[at] - b'X'));
+    let [i, j, k] = match order {
+        EulerOrder::Xyz => [0, 1, 2],
+        EulerOrder::Xzy => [0, 2, 1],
+        EulerOrder::Yxz => [1, 0, 2],
+        EulerOrder::Yzx => [1, 2, 0],
+        EulerOrder::Zxy => [2, 0, 1],
+        EulerOrder::Zyx => [2, 1, 0],
+    };
     let sign = if (i + 1) % 3 == j { 1.0 } else { -1.0 };
     let at = |r: usize, c: usize| matrix[3 * r + c];
     let mut out = [0.0; 3];

@@ -6,7 +6,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Loaded, Source, load};
-use sinew_trainer::export::{Export, Stand};
+use sinew_trainer::export::{Export, Placement};
 use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,7 +106,7 @@ fn the_fox_keeps_its_texture_and_is_smooth() {
         between: false,
         levels: &[],
         appearance: &Appearance::default(),
-        stand: Stand::AsModel,
+        placement: Placement::AsModel,
     };
     let exported = export.run().unwrap().glb;
     let [before, after] = [std::fs::read(&file).unwrap(), exported].map(|bytes| attributes(&bytes));

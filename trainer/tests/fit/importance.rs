@@ -40,7 +40,7 @@ fn important_vertices_are_fitted_better_by_every_predictor() {
     let far = |vertex: usize| plain.rest[vertex][0] > plain.centroid()[0];
     let mut weighed = plain.clone();
     let numbers = (0..plain.vertex_len()).map(|v| if far(v) { 1.0 } else { 1e-3 });
-    weighed.weigh(numbers.collect()).unwrap();
+    weighed.set_importance(numbers.collect()).unwrap();
     for predictor in Predictor::ALL {
         let (before, after) = (model(&plain, predictor), model(&weighed, predictor));
         let [here, there] = [&before, &after].map(|model| error(model, &plain, far));
@@ -54,7 +54,7 @@ fn important_vertices_are_fitted_better_by_every_predictor() {
 fn equal_importance_changes_nothing() {
     let plain = arm();
     let mut weighed = plain.clone();
-    weighed.weigh(vec![2.0; plain.vertex_len()]).unwrap();
+    weighed.set_importance(vec![2.0; plain.vertex_len()]).unwrap();
     for predictor in [Predictor::Rotational, Predictor::Kernel] {
         assert_eq!(model(&weighed, predictor), model(&plain, predictor));
     }
@@ -68,7 +68,7 @@ fn errors_weigh_vertices_by_importance() {
     let model = model(&plain, Predictor::Kernel);
     let mut weighed = plain.clone();
     let counts = |vertex: usize| [1, 0, 3][vertex % 3];
-    weighed.weigh((0..plain.vertex_len()).map(|v| counts(v) as f64).collect()).unwrap();
+    weighed.set_importance((0..plain.vertex_len()).map(|v| counts(v) as f64).collect()).unwrap();
     let found = evaluate(&model, None, &weighed, Frames::Of(Split::HeldOut)).unwrap().errors;
 
     let character = Character::open(&model, None, &plain).unwrap();

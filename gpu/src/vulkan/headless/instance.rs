@@ -181,7 +181,7 @@ unsafe extern "system" fn receive(
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
     messages: *mut c_void,
 ) -> vk::Bool32 {
-    // SAFETY: the layer passes valid data, and the address that `info` gave.
+    // SAFETY: the layer passes valid data, and the address that `messenger` gave.
     let (data, messages) = unsafe { (&*data, &*messages.cast::<Messages>()) };
     let text = [data.p_message_id_name, data.p_message].map(|text| {
         if text.is_null() {

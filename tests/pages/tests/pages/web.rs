@@ -11,7 +11,7 @@ use pages::{blocks, read, repository};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Model, SkinJob};
 use sinew_trainer::examples::Clip;
-use sinew_trainer::export::{Export, Stand};
+use sinew_trainer::export::{Export, Placement};
 use sinew_trainer::formats::appearance::Appearance;
 use std::path::Path;
 
@@ -77,7 +77,7 @@ fn exported() -> Vec<u8> {
         between: false,
         levels: &[],
         appearance: &Appearance::default(),
-        stand: Stand::AsModel,
+        placement: Placement::AsModel,
     };
     export.run().unwrap().glb
 }

@@ -7,7 +7,7 @@ use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::Examples;
-use sinew_trainer::export::{Exported, Stand};
+use sinew_trainer::export::{Exported, Placement};
 use sinew_trainer::formats::Mesh;
 use sinew_trainer::mesh::EngineMesh;
 
@@ -58,7 +58,7 @@ fn the_model_s_own_mesh_in_another_order_moves_as_the_model_does() {
     let uv: Vec<_> = uv.into_iter().rev().collect();
     own.mesh.engine = Some(EngineMesh::of_vertices(&own.mesh.positions, &own.mesh.triangles, &uv));
     let exported =
-        export(&model, None, &examples, &[clip("all", 0, 20)], &[own], Stand::AsModel).unwrap();
+        export(&model, None, &examples, &[clip("all", 0, 20)], &[own], Placement::AsModel).unwrap();
     let scene = Scene::read(&exported.glb);
     for key in [0, 7, 19] {
         let palette = scene.palette(&scene.worlds(Some((0, key, 0.0))));
@@ -82,7 +82,7 @@ fn a_coarser_mesh_is_fitted_and_comes_near_its_own_flesh() {
             &examples,
             &[clip("all", 0, frames)],
             &[level("lod1", &coarse)],
-            Stand::AsModel,
+            Placement::AsModel,
         )
         .unwrap()
     };
@@ -104,7 +104,8 @@ fn a_mesh_in_other_axes_and_units_is_converted_or_reported_and_strays_are_report
     let examples = arm(300);
     let model = model(&examples, Predictor::Rotational, 4, 4);
     let clips = [clip("all", 0, 4)];
-    let exported = |level: Level| export(&model, None, &examples, &clips, &[level], Stand::AsModel);
+    let exported =
+        |level: Level| export(&model, None, &examples, &clips, &[level], Placement::AsModel);
     let turned = |change: fn([f64; 3]) -> [f64; 3]| {
         let mut level = level("lod1", &examples);
         level.mesh.positions.iter_mut().for_each(|x| *x = change(*x));
@@ -129,6 +130,6 @@ fn a_mesh_in_other_axes_and_units_is_converted_or_reported_and_strays_are_report
     assert!(percent.is_some_and(|percent| percent > 100.0), "{far}");
     let mut stray = level("lod1", &examples);
     stray.mesh.positions[5] = [9.0, 9.0, 9.0];
-    let exported = export(&model, None, &examples, &clips, &[stray], Stand::AsModel).unwrap();
+    let exported = export(&model, None, &examples, &clips, &[stray], Placement::AsModel).unwrap();
     assert_eq!(exported.levels[0].far, 1);
 }

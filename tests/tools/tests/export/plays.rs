@@ -8,7 +8,7 @@ use sinew_runtime::{Matrix3x4, Model};
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples};
-use sinew_trainer::export::Stand;
+use sinew_trainer::export::Placement;
 use sinew_trainer::progress::Silent;
 
 /// Largest distance of the exported skin from the runtime's, as a share of the rest diagonal.
@@ -25,8 +25,9 @@ struct Played<'a> {
 
 impl<'a> Played<'a> {
     fn new(examples: &'a Examples, model: Vec<u8>, clips: &'a [Clip]) -> Self {
-        let scene =
-            Scene::read(&export(&model, None, examples, clips, &[], Stand::AsModel).unwrap().glb);
+        let scene = Scene::read(
+            &export(&model, None, examples, clips, &[], Placement::AsModel).unwrap().glb,
+        );
         let played = Self { examples, model, clips, scene };
         assert_eq!(played.scene.gltf.animations().len(), clips.len());
         let rest = played.skinned(&played.scene.worlds(None));
@@ -178,11 +179,12 @@ fn a_character_that_stands_along_z_is_turned_upright() {
     let examples = arm(300);
     let clips = [clip("all", 0, 3)];
     let model = model(&examples, Predictor::Kernel, 4, 4);
-    let skinned = |stand| {
-        let scene = Scene::read(&export(&model, None, &examples, &clips, &[], stand).unwrap().glb);
+    let skinned = |placement| {
+        let scene =
+            Scene::read(&export(&model, None, &examples, &clips, &[], placement).unwrap().glb);
         scene.skinned("skin", &scene.palette(&scene.worlds(Some((0, 2, 0.0)))))
     };
     let upright: Vec<_> =
-        skinned(Stand::AsModel).iter().map(|x| Vector3::new(x.x, x.z, -x.y)).collect();
-    assert!(farthest(&skinned(Stand::Upright), &upright) < 1e-6 * examples.diagonal());
+        skinned(Placement::AsModel).iter().map(|x| Vector3::new(x.x, x.z, -x.y)).collect();
+    assert!(farthest(&skinned(Placement::Upright), &upright) < 1e-6 * examples.diagonal());
 }

@@ -7,7 +7,7 @@ use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::examples::Examples;
-use sinew_trainer::export::Stand;
+use sinew_trainer::export::Placement;
 use sinew_trainer::space::SpaceRequest;
 
 const GLTF: Space = Space::GLTF;
@@ -19,8 +19,8 @@ fn examples(space: Space) -> Examples {
     arm
 }
 
-fn to_gltf() -> Stand {
-    Stand::In(SpaceRequest::all_of(&GLTF))
+fn to_gltf() -> Placement {
+    Placement::In(SpaceRequest::all_of(&GLTF))
 }
 
 #[test]
@@ -29,8 +29,8 @@ fn a_left_handed_model_is_mirrored_back() {
     let clips = [clip("all", 0, 6)];
     let bytes = model(&examples, Predictor::Kernel, 5, 4);
     let runtime = Model::from_bytes(bytes.as_slice()).unwrap();
-    let skinned = |stand, key| {
-        let exported = export(&bytes, None, &examples, &clips, &[], stand).unwrap();
+    let skinned = |placement, key| {
+        let exported = export(&bytes, None, &examples, &clips, &[], placement).unwrap();
         let scene = Scene::read(&exported.glb);
         scene.skinned("skin", &scene.palette(&scene.worlds(Some((0, key, 0.0)))))
     };
@@ -42,7 +42,7 @@ fn a_left_handed_model_is_mirrored_back() {
         assert!(farthest(&skinned(to_gltf(), key), &metres) < near);
         // By default the character keeps the model's axes, made right-handed: forward and up stay.
         let own: Vec<_> = unreal.iter().map(|x| Vector3::new(x.x, -x.y, x.z)).collect();
-        assert!(farthest(&skinned(Stand::AsModel, key), &own) < 1e-4 * examples.diagonal());
+        assert!(farthest(&skinned(Placement::AsModel, key), &own) < 1e-4 * examples.diagonal());
     }
 }
 
@@ -77,7 +77,7 @@ fn spaces_that_gltf_cannot_have_are_refused() {
         let mut examples = examples(GLTF);
         examples.space = space;
         let bytes = model(&examples, Predictor::Kernel, 4, 4);
-        let exported = export(&bytes, None, &examples, &clips, &[], Stand::In(wish));
+        let exported = export(&bytes, None, &examples, &clips, &[], Placement::In(wish));
         exported.map(|exported| exported.glb.len()).unwrap_err()
     };
     let all = SpaceRequest::all_of(&UNREAL);

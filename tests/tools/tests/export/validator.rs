@@ -4,7 +4,7 @@ use super::{arm, clip, export, model};
 use serde_json::Value;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::levels::Level;
-use sinew_trainer::export::{Stand, by_use, demo_glb};
+use sinew_trainer::export::{Placement, by_use, demo_glb};
 use sinew_trainer::formats::Mesh;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -67,7 +67,7 @@ fn exports_of_every_predictor_are_valid() {
         for (proxies, influences) in [(8, 4), (20, 7)] {
             let model = model(&examples, predictor, proxies, influences);
             let exported =
-                export(&model, None, &examples, &clips, &levels, Stand::AsModel).unwrap();
+                export(&model, None, &examples, &clips, &levels, Placement::AsModel).unwrap();
             valid(&format!("{}-{influences}", predictor.name()), &exported.glb);
         }
     }
@@ -81,7 +81,7 @@ fn a_mesh_with_a_vertex_in_no_triangle_is_valid() {
     examples.triangles.retain(|triangle| !triangle.contains(&last));
     let model = model(&examples, Predictor::Kernel, 4, 4);
     let exported =
-        export(&model, None, &examples, &[clip("a", 0, 3)], &[], Stand::AsModel).unwrap();
+        export(&model, None, &examples, &[clip("a", 0, 3)], &[], Placement::AsModel).unwrap();
     valid("unused", &exported.glb);
 }
 

@@ -6,7 +6,7 @@ use crate::check::redundancy::Predicted;
 use crate::check::{Check, check};
 use crate::cli::report::wrapped;
 use crate::cli::{Bars, Output, Report, Run, counted, input, printable, table};
-use crate::evaluate::{LBS, NOTHING, OWN_WEIGHTS};
+use crate::evaluate::{LBS, NEGLIGIBLE_PERCENT, OWN_WEIGHTS};
 use crate::examples::Warning;
 use crate::space::written;
 use anyhow::Context;
@@ -73,7 +73,7 @@ fn describe(check: &Check, space: &Space, printed: &[&Warning]) -> String {
         out += &wrapped(&format!("  {}", printable(line)));
     }
     if check.advice.is_empty() {
-        out += match check.lbs.rms_percent > NOTHING {
+        out += match check.lbs.rms_percent > NEGLIGIBLE_PERCENT {
             true => "  the poses are enough and none is superfluous\n",
             false => "  linear blend skinning gives these meshes: there is nothing to learn\n",
         };
@@ -176,7 +176,7 @@ fn errors(check: &Check) -> String {
         beside(lbs.rms_mm)
     );
     // Without an error of LBS, no frame is worse than another.
-    if lbs.rms_percent > NOTHING {
+    if lbs.rms_percent > NEGLIGIBLE_PERCENT {
         let frames = lbs.frames.iter().map(|(frame, rms)| format!("{frame} ({rms:.2} %)"));
         let vertices = lbs.vertices.iter().map(|(vertex, rms)| format!("{vertex} ({rms:.2} %)"));
         let [frames, vertices] =

@@ -5,7 +5,9 @@ use crate::cli::{
     Bars, ModelArgs, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, files, input, named,
     number,
 };
-use crate::evaluate::{Character, Evaluation, Frames, NOTHING, SkinnedFrame, TrainingRecord, skin};
+use crate::evaluate::{
+    Character, Evaluation, Frames, NEGLIGIBLE_PERCENT, SkinnedFrame, TrainingRecord, skin,
+};
 use crate::examples::{Clip, Examples, Loaded, Split, Warning, numbered};
 use crate::{Error, ErrorKind};
 use anyhow::{Context, bail};
@@ -102,7 +104,7 @@ impl MeasuredArgs {
         let lbs = 100.0 * certificate.lbs_training_rms / certificate.diagonal;
         let frames: Vec<usize> = (0..examples.frame_len()).collect();
         let read = recorded.read_len(&frames).unwrap_or(0);
-        if f64::from(lbs) > NOTHING && 2 * read < frames.len() {
+        if f64::from(lbs) > NEGLIGIBLE_PERCENT && 2 * read < frames.len() {
             bail!(
                 "{}: no shapes move and no targets are given: the meshes are the scene's own linear blend skinning, and \
                  the model has learned others; give those as --targets, as in training",
@@ -123,7 +125,7 @@ impl MeasuredArgs {
         Loaded { examples, clips, .. }: &Loaded,
     ) -> anyhow::Result<Frames> {
         let source = self.input.named();
-        let frames = self.split.unwrap_or_else(|| Frames::usual(examples, recorded));
+        let frames = self.split.unwrap_or_else(|| Frames::default_for(examples, recorded));
         match frames.measurable(examples, recorded) {
             Ok(_) => Ok(frames),
             Err(error) if error.kind() == ErrorKind::Missing => {

@@ -10,14 +10,13 @@ use crate::envelope::levels::check_places;
 use crate::envelope::posed::rest;
 use crate::evaluate::Character;
 use crate::examples::{Clip, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
-use crate::export::{Export, ExportInto, Grafted, Stand, check_clips};
+use crate::export::{Export, ExportInto, Grafted, Placement, check_clips};
 use crate::formats::appearance;
 use crate::space::SpaceRequest;
 use crate::{Error, ErrorKind};
 use anyhow::bail;
 use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
-use std::mem::take;
 use std::path::{Path, PathBuf};
 
 /// Bakes a model and a clip into a GLB that plays in any engine
@@ -134,11 +133,11 @@ impl Run for ExportArgs {
         let (examples, clips, levels) = (&examples, &clips, &levels);
         let model = &model;
         check_clips(clips).of(&self.clip)?;
-        // The error names the further mesh.
+        // Checked here, because a later error would get the name of the model.
         check_places(levels, examples)?;
         let (glb, names, levels, into) = match &self.into {
             None => {
-                let stand = stand(&self.space, &self.target, &character.space)?;
+                let placement = placement(&self.space, &self.target, &character.space)?;
                 let dressed = self.mesh.as_ref().unwrap_or(&self.clip);
                 let appearance = &appearance::load(dressed)?;
                 if !appearance.missing.is_empty() {
@@ -147,7 +146,7 @@ impl Run for ExportArgs {
                     output.warn(dressed.display(), text);
                 }
                 let export =
-                    Export { model, skin, examples, clips, between, levels, appearance, stand };
+                    Export { model, skin, examples, clips, between, levels, appearance, placement };
                 let exported = export.run().map_err(|error| self.blame(error, clips))?;
                 let names: Vec<String> = clips.iter().map(|clip| clip.name.clone()).collect();
                 (exported.glb, names, exported.levels, None)
@@ -155,9 +154,10 @@ impl Run for ExportArgs {
             Some(file) => {
                 let export =
                     ExportInto { model, skin, examples, clips, between, levels, names, file };
-                let mut own = export.run().map_err(|error| self.blame(error, clips))?;
-                let (glb, names) = (take(&mut own.glb), take(&mut own.animations));
-                (glb, names, take(&mut own.levels), Some(own))
+                let grafted = export.run().map_err(|error| self.blame(error, clips))?;
+                let Grafted { glb, animations, levels, meshes, added_joints, kept_animations } =
+                    grafted;
+                (glb, animations, levels, Some((meshes, added_joints, kept_animations)))
             }
         };
         drop(exporting);
@@ -171,8 +171,8 @@ impl Run for ExportArgs {
             );
             output.warn(self.output.display(), sets);
         }
-        if let (Some(file), Some(into)) = (&self.into, &into) {
-            warn_of(into, file, output);
+        if let (Some(file), Some((_, added_joints, kept_animations))) = (&self.into, &into) {
+            warn_of(added_joints, kept_animations, file, output);
         }
         let animations = names.iter().zip(clips);
         let frames = animations
@@ -182,8 +182,8 @@ impl Run for ExportArgs {
         let as_json =
             |(name, clip): (&String, &Clip)| json!({ "name": name, "frames": clip.times.len() });
         let meshes =
-            into.as_ref().map(|into| format!("meshes: {}", printable(&into.meshes.join(", "))));
-        let into = into.map(|Grafted { meshes, added_joints, kept_animations, .. }| {
+            into.as_ref().map(|(meshes, ..)| format!("meshes: {}", printable(&meshes.join(", "))));
+        let into = into.map(|(meshes, added_joints, kept_animations)| {
             json!({
                 "meshes": meshes,
                 "added_joints": added_joints,
@@ -221,8 +221,6 @@ impl ExportArgs {
     fn blame(&self, error: Error, clips: &[Clip]) -> Error {
         let file = match error.kind() {
             _ if error.frame().is_some() => &self.clip,
-            // The skeleton or the mesh is not the model's.
-            ErrorKind::Mismatch => &self.clip,
             ErrorKind::Limit | ErrorKind::Write => &self.output,
             // A request for a space that glTF does not have.
             ErrorKind::Unsupported => return error,
@@ -257,10 +255,10 @@ fn renaming(text: &str) -> Result<(String, String), String> {
 }
 
 /// Warns of changes of an artist's file.
-fn warn_of(own: &Grafted, file: &Path, output: Output) {
+fn warn_of(added_joints: &[String], kept_animations: &[String], file: &Path, output: Output) {
     for (what, names) in [
-        ("has no nodes of these names, which were added", &own.added_joints),
-        ("animations that it had move the joints and no helper", &own.kept_animations),
+        ("has no nodes of these names, which were added", added_joints),
+        ("animations that it had move the joints and no helper", kept_animations),
     ] {
         if !names.is_empty() {
             let names = printable(&names.join(", "));
@@ -270,16 +268,20 @@ fn warn_of(own: &Grafted, file: &Path, output: Output) {
 }
 
 /// Returns the position of the character in a GLB, by the arguments and the model's space.
-fn stand(stated: &StatedSpace, target: &TargetSpace, model: &Space) -> anyhow::Result<Stand> {
+fn placement(
+    stated: &StatedSpace,
+    target: &TargetSpace,
+    model: &Space,
+) -> anyhow::Result<Placement> {
     let request = target.request();
     if !request.is_empty() {
-        return Ok(Stand::In(request));
+        return Ok(Placement::In(request));
     }
     let is_known = model.up.is_some() && model.forward.is_some() && model.unit.is_some();
     match stated.up.map(|up| model.up.unwrap_or(up)) {
-        None if is_known => Ok(Stand::In(SpaceRequest::all_of(&Space::GLTF))),
-        None | Some(Axis::Y) => Ok(Stand::AsModel),
-        Some(Axis::Z) => Ok(Stand::Upright),
+        None if is_known => Ok(Placement::In(SpaceRequest::all_of(&Space::GLTF))),
+        None | Some(Axis::Y) => Ok(Placement::AsModel),
+        Some(Axis::Z) => Ok(Placement::Upright),
         Some(up) => bail!(
             "the character stands along {}: say how it is to stand in the file, with --to-up y \
              --to-forward z",

@@ -14,7 +14,7 @@ use crate::envelope::lbs::blend::CANDIDATES;
 use crate::envelope::levels::check_places;
 use crate::envelope::s3::{Method, ProxyCount};
 use crate::envelope::{FileSkins, Options, Predict, Trained, train_on};
-use crate::evaluate::NOTHING;
+use crate::evaluate::NEGLIGIBLE_PERCENT;
 use crate::examples::{Loaded, Split, Warning};
 use crate::progress::Silent;
 use crate::settings::{Settings, TIED, UNSEEN};
@@ -200,7 +200,7 @@ impl FitArguments {
             settings: Settings::default(),
         };
         if let FileSkins::Skins(further) = &options.meshes {
-            // The error names the further mesh.
+            // Checked here, because a later error would get the name of the examples.
             check_places(further, examples)?;
         }
         let trained = train_on(sound, &options, &Bars::new(output));
@@ -339,9 +339,9 @@ fn is_printed(finding: &Finding) -> bool {
 /// - `forecast`, `lbs`: forecast for more of these clips, and error of LBS, in % of the diagonal.
 /// - `is_known`: whether an earlier warning said that LBS has no error.
 fn no_gain(forecast: f64, lbs: f64, diagonal_mm: Option<f64>, is_known: bool) -> Option<String> {
-    match lbs <= NOTHING {
+    match lbs <= NEGLIGIBLE_PERCENT {
         true if !is_known => Some(nothing(lbs)),
-        _ if forecast > NOTHING => hardly(forecast, lbs, diagonal_mm),
+        _ if forecast > NEGLIGIBLE_PERCENT => hardly(forecast, lbs, diagonal_mm),
         _ => None,
     }
 }

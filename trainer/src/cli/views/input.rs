@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::cli::{ModelArgs, OfFile};
+use crate::formats::json;
 use crate::views::inverse::{Found, starts};
 use crate::views::object::ObjectMap;
 use crate::views::player::Player;
@@ -92,7 +93,7 @@ const fn frames() -> usize {
 /// The file cannot be read, or is not a path.
 pub(super) fn read_path(file: &Path, frames: Option<usize>) -> anyhow::Result<Vec<Values>> {
     let text = std::fs::read(file).of(file)?;
-    let written: WrittenPath = serde_json::from_slice(&text).of(file)?;
+    let written: WrittenPath = json::read(&text).of(file)?;
     let (keys, len) = (written.keys, frames.unwrap_or(written.frames));
     if keys.is_empty() || len == 0 {
         bail!("{}: expected `keys`, and `frames` above 0", file.display());

@@ -72,12 +72,20 @@ pub struct SkinSurface<'a> {
 }
 
 impl SkinSurface<'_> {
-    /// Finds weights for the vertices of a further mesh. Transfers the weights of the nearest point of the surface,
-    /// then fits them to the vertex's position on the posed surface in all frames.
+    /// Checks that a mesh lies on the surface.
     ///
     /// # Errors
-    /// The median distance from the surface is too large.
-    pub fn follow(&self, level: &Level) -> Result<(Influences, LevelReport), Error> {
+    /// The median distance is too large.
+    pub fn check_near(&self, Level { name, mesh, .. }: &Level) -> Result<(), Error> {
+        let tree = Tree::new(self.rest, self.triangles);
+        let feet = mesh.positions.par_iter().filter_map(|x| tree.nearest(&Vector3::from(*x)));
+        let median = median(feet.map(|foot| foot.distance / self.diagonal).collect());
+        if median > FAR { Err(far_away(name, median)) } else { Ok(()) }
+    }
+
+    /// Finds weights for the vertices of a further mesh. Transfers the weights of the nearest point of the surface,
+    /// then fits them to the vertex's position on the posed surface in all frames.
+    pub fn follow(&self, level: &Level) -> (Influences, LevelReport) {
         let Level { name, mesh, .. } = level;
         let tree = Tree::new(self.rest, self.triangles);
         let around = self.around();
@@ -92,9 +100,6 @@ impl SkinSurface<'_> {
         let distances: Vec<f64> = followed.iter().map(|f| f.distance / self.diagonal).collect();
         let far = distances.iter().filter(|&&distance| distance > FAR).count();
         let median = median(distances);
-        if median > FAR {
-            return Err(far_away(name, median));
-        }
         let count = (followed.len() * self.palettes.len()) as f64;
         let percent = |error: fn(&Followed) -> f64| {
             let sum: f64 = followed.iter().map(error).sum();
@@ -110,7 +115,7 @@ impl SkinSurface<'_> {
             transferred_percent: percent(|f| f.transferred),
             fitted_percent: percent(|f| f.fitted),
         };
-        Ok((followed.into_iter().map(|f| f.influences).collect(), report))
+        (followed.into_iter().map(|f| f.influences).collect(), report)
     }
 
     /// Finds the weights of one vertex.

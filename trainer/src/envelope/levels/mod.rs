@@ -129,7 +129,9 @@ pub fn check_places(levels: &[Level], examples: &Examples) -> Result<(), Error> 
         posed: Vec::new(),
     };
     for level in levels {
-        surface.place(&mut level.clone())?;
+        let mut level = level.clone();
+        surface.place(&mut level)?;
+        surface.check_near(&level)?;
     }
     Ok(())
 }
@@ -168,7 +170,8 @@ impl SkinSurface<'_> {
     ) -> Result<(Vec<Influences>, Vec<LevelReport>), Error> {
         let follow = |level: &mut Level| {
             let moved = self.place(level)?;
-            let (influences, report) = self.follow(level)?;
+            self.check_near(level)?;
+            let (influences, report) = self.follow(level);
             Ok((influences, LevelReport { moved, ..report }))
         };
         let followed = levels.iter_mut().map(follow).collect::<Result<Vec<_>, Error>>()?;

@@ -4,12 +4,12 @@ use super::clips::frame_len;
 use super::joined::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::Error;
 use crate::examples::Examples;
 use crate::examples::validate::Origin;
 use crate::formats::extension::{check_content, extension, unknown_format};
 use crate::formats::scene::{JointNames, SampledScene, Sampling};
 use crate::formats::{fbx, gltf};
+use crate::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Files of examples, and options of loading.
@@ -164,9 +164,12 @@ fn rename(examples: &mut Examples, names: &JointNames<'_>) -> Result<(), Error> 
 /// that differ from the character's.
 pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, Error> {
     let Some(mesh) = mesh else {
-        return load_poses(source).map_err(|error| match joints_alone(source.file) {
-            Some(found) => no_mesh(found, &source.names).in_file(source.file),
-            None => error,
+        return load_poses(source).map_err(|error| {
+            let is_missing = error.kind() == ErrorKind::Missing;
+            match is_missing.then(|| joints_alone(source.file)).flatten() {
+                Some(found) => no_mesh(found, &source.names).in_file(source.file),
+                None => error,
+            }
         });
     };
     source.check_content()?;

@@ -82,11 +82,11 @@ impl Skins {
         file: &Parsed,
         mesh: &str,
     ) -> Result<&Member, Error> {
-        let member = match self.members.remove(&skin.index()) {
-            Some(member) => member,
-            None => self.joined(skin, file, mesh)?,
-        };
-        Ok(&*self.members.entry(skin.index()).or_insert(member))
+        if !self.members.contains_key(&skin.index()) {
+            let member = self.joined(skin, file, mesh)?;
+            self.members.insert(skin.index(), member);
+        }
+        Ok(&self.members[&skin.index()])
     }
 
     fn joined(

@@ -227,8 +227,8 @@ impl Judge<'_> {
         let Some(best) = refused.max_by(|a, b| rcond(a).total_cmp(&rcond(b))) else {
             return no_choice();
         };
-        let out_of_range = || best.options.check().err().unwrap_or_else(no_choice);
-        reason(best).map_or_else(out_of_range, Error::from)
+        // An error has no copy, so the fit is repeated.
+        Fit::new(self.samples, &best.options).err().unwrap_or_else(no_choice)
     }
 
     /// Returns the deviation of a candidate's file, over the limit; 0 without a probe.

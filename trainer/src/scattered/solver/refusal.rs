@@ -34,7 +34,7 @@ impl Refusal {
 
     /// Makes the error, with advice.
     ///
-    /// - `near`: two samples that are much nearer than others.
+    /// - `near`: two samples that are much nearer than others; used for an ill-conditioned fit only.
     /// - `other`: options that fit.
     pub(crate) fn advised(self, near: Option<String>, other: Option<String>) -> Error {
         match self {

@@ -110,7 +110,10 @@ impl Data<'_> {
     /// Adds advice to an error: options that fit, and samples that are too near.
     fn advised(&self, error: Error) -> Error {
         match Refusal::of(&error) {
-            Some(refusal) => refusal.advised(self.near(), self.other()),
+            Some(refusal @ Refusal::IllConditioned { .. }) => {
+                refusal.advised(self.near(), self.other())
+            }
+            Some(refusal) => refusal.advised(None, self.other()),
             None => error,
         }
     }

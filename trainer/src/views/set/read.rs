@@ -11,6 +11,7 @@ use super::layers::{
 };
 use super::proposed;
 use crate::Error;
+use crate::formats::json::read as read_json;
 use crate::formats::layered::is_layered;
 use crate::formats::obj;
 use nalgebra::{DMatrix, Vector3};
@@ -110,8 +111,7 @@ pub fn read(path: &Path, mesh: Option<&Path>) -> Result<ViewSet, Error> {
 /// Reads a JSON file.
 fn parsed<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
     let text = std::fs::read(path).map_err(Error::read)?;
-    serde_json::from_slice(&text)
-        .map_err(|error| Error::damaged(error.to_string()).caused_by(error))
+    read_json(&text)
 }
 
 /// Lists the training pictures that have layers.

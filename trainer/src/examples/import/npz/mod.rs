@@ -190,7 +190,7 @@ fn read(
         ..Examples::default()
     };
     if let Some(importance) = importance {
-        examples.weigh(importance)?;
+        examples.set_importance(importance)?;
     }
     if let Some(weights) = weights {
         examples.repeat(&weights).map_err(|error| numbered(error, &clips))?;

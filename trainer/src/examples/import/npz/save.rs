@@ -54,7 +54,6 @@ fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()>
     archive.numbers("bone_parents", &[j], parent_numbers(examples).into_iter())?;
     archive.texts("bone_names", &examples.skeleton.names)?;
     archive.numbers("joint_world_rest", &[j, 4, 4], square(&examples.skeleton.rest))?;
-    // The variants have the order of the codes.
     archive.numbers("split", &[n], examples.split.iter().map(|&split| split as u8))?;
     write_clips(&mut archive, clips)?;
     let meshes = examples.ranges.iter().map(|(name, range)| (name, range.start));

@@ -165,7 +165,7 @@ fn axes_and_unit_are_read_and_saved() {
         "up": "z", "forward": "-y", "handedness": "left", "unit": 0.01});
     let mut saved = Set::good().json(json).load("space-json").unwrap().examples;
     assert_eq!(saved.space, Space { handedness: Handedness::Left, ..space });
-    saved.weigh(vec![0.5, 1.0, 1.0, 1.0, 1.5]).unwrap();
+    saved.set_importance(vec![0.5, 1.0, 1.0, 1.0, 1.5]).unwrap();
     let folder = Folder::new("space-saved");
     save_npz(&folder.npz(), &saved, &[]).unwrap();
     let loaded = load(&folder.npz()).unwrap().examples;
