@@ -319,7 +319,7 @@ fn pictures_that_contradict_a_set_are_refused() {
     );
     let wrong = written(&folder, json!({ "layers": [{ "name": "back", "points": "all" }] }));
     let text = read(&wrong, None).unwrap_err().to_string();
-    assert!(text.starts_with("expected \"auto\" or a list of numbers of points"), "{text}");
+    assert!(text.starts_with("layers[0].points: expected \"auto\" or a list of numbers"), "{text}");
     let view = json!({ "image": "a.ora", "x": 0, "points": [[2, 8]], "depth": [1.0] });
     let deep = json!({
         "points": "auto",

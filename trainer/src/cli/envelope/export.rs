@@ -221,6 +221,8 @@ impl ExportArgs {
     fn blame(&self, error: Error, clips: &[Clip]) -> Error {
         let file = match error.kind() {
             _ if error.frame().is_some() => &self.clip,
+            // The skeleton is not the model's.
+            ErrorKind::Mismatch => &self.clip,
             ErrorKind::Limit | ErrorKind::Write => &self.output,
             // A request for a space that glTF does not have.
             ErrorKind::Unsupported => return error,
