@@ -131,9 +131,9 @@ impl Filter<'_> {
     /// - `out`: receives F times the numbers.
     ///
     /// # Errors
-    /// - [`CallErrorKind::TooShort`]: a signal has fewer than N samples.
-    /// - [`CallErrorKind::Length`]: `samples` or `out` has another length.
-    /// - [`CallErrorKind::NonFinite`]: a number is not finite, or larger than [`MAGNITUDE_MAX`].
+    /// - [`crate::CallErrorKind::TooShort`]: a signal has fewer than N samples.
+    /// - [`crate::CallErrorKind::Length`]: `samples` or `out` has another length.
+    /// - [`crate::CallErrorKind::NonFinite`]: a number is not finite, or larger than [`MAGNITUDE_MAX`].
     pub fn apply(&self, shape: Samples, samples: &[f32], out: &mut [f32]) -> Result<(), CallError> {
         Argument::Samples.check_least(self.tap_len(), shape.sample_len)?;
         Argument::Samples.check_len(shape.len(), samples.len())?;

@@ -57,9 +57,9 @@ impl FrameJob<'_> {
     /// - `scratch`: at least [`ViewsCounts::frame_scratch_len`] floats, of any content.
     ///
     /// # Errors
-    /// - [`CallErrorKind::Length`]: `parameters` or an output has another length; or the map is not
+    /// - [`crate::CallErrorKind::Length`]: `parameters` or an output has another length; or the map is not
     ///   a map of the object.
-    /// - [`CallErrorKind::TooShort`]: `scratch` is too short.
+    /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
     /// - The errors of [`KernelMap::evaluate`].
     pub fn run(&self, scratch: &mut [f32], out: Frame<'_>) -> Result<Found, CallError> {
         let k = self.views.point_len();

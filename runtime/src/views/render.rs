@@ -62,10 +62,10 @@ impl RenderJob<'_> {
     ///   are sampled and blended in sRGB encoding.
     ///
     /// # Errors
-    /// - [`CallErrorKind::Length`]: `points`, `visibility`, `scores`, `layers`, or a scratch array
+    /// - [`crate::CallErrorKind::Length`]: `points`, `visibility`, `scores`, `layers`, or a scratch array
     ///   has another length; or `out` does not hold whole rows.
-    /// - [`CallErrorKind::TooShort`]: a scratch array with one value per pixel is too short.
-    /// - [`CallErrorKind::NonFinite`]: a point is not finite.
+    /// - [`crate::CallErrorKind::TooShort`]: a scratch array with one value per pixel is too short.
+    /// - [`crate::CallErrorKind::NonFinite`]: a point is not finite.
     pub fn run(&self, scratch: RenderScratch<'_>, out: &mut [[u8; 4]]) -> Result<Drawn, CallError> {
         self.check(&scratch, out)?;
         let RenderScratch { vertices, order, depths, group, clips } = scratch;

@@ -64,8 +64,8 @@ impl<'a> Skin<'a> {
     /// - `weights`: [`Skin::shape_len`] weights z.
     ///
     /// # Errors
-    /// - [`CallErrorKind::Length`]: `palette` or `weights` has another length.
-    /// - [`CallErrorKind::NonFinite`]: a weight is not finite.
+    /// - [`crate::CallErrorKind::Length`]: `palette` or `weights` has another length.
+    /// - [`crate::CallErrorKind::NonFinite`]: a weight is not finite.
     pub fn shaped_bounds(
         &self,
         palette: &[Matrix3x4],
