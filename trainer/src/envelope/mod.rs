@@ -86,7 +86,7 @@ pub fn train_on(
     }
     let trained = choose::choose(&training, options, progress);
     let mut trained = trained.map_err(|error| match error.kind() {
-        // Only baking, and loading what it made, give this kind: the runtime refuses numbers that are too large.
+        // Only the baked file gives this kind: the runtime refuses numbers that are too large.
         ErrorKind::Damaged => too_far(examples, COARSE.0).unwrap_or(error),
         _ => error,
     })?;

@@ -15,5 +15,6 @@ mod skeleton;
 mod stretch;
 
 pub use into::{ExportInto, Grafted};
+pub use play::Playback;
 pub use scene::{Export, Exported, Placement, by_use, demo_glb};
 pub use skeleton::check_clips;

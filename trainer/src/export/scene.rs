@@ -2,12 +2,12 @@
 //! demo character as an artist would deliver it.
 
 use super::mesh::{SkinnedMesh, parts};
-use super::play::play;
+use super::play::Playback;
 use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, key_times, quaternion, turned};
 use crate::Error;
 use crate::envelope::lbs::weights;
-use crate::envelope::levels::{Level, LevelReport};
+use crate::envelope::levels::LevelReport;
 use crate::examples::{Clip, Examples, Split};
 use crate::formats::appearance::Appearance;
 use crate::formats::gltf::write::{Document, Placed};
@@ -42,19 +42,8 @@ pub struct Exported {
 /// runtime predicts. The model's mesh and further meshes use one skin.
 #[derive(Clone, Copy)]
 pub struct Export<'a> {
-    /// Bytes of a model's file.
-    pub model: &'a [u8],
-    /// Name of the exported skin; the model's first if `None`.
-    pub skin: Option<&'a str>,
-    /// The poses, and the mesh's triangles and texture coordinates.
-    pub examples: &'a Examples,
-    /// The clips of the frames.
-    pub clips: &'a [Clip],
-    /// Whether helpers get more keys between frames. Between frames the skin is then within 0.1 % of the diagonal of
-    /// the model's skin.
-    pub between: bool,
-    /// Further meshes.
-    pub levels: &'a [Level],
+    /// The model and its clips.
+    pub playback: Playback<'a>,
     /// Materials and names of the mesh. Each known name becomes a mesh, each known material a primitive.
     pub appearance: &'a Appearance,
     /// Orientation and scale of the scene.
@@ -74,8 +63,9 @@ impl Export<'_> {
     ///   left-handed.
     /// - [`ErrorKind::Limit`](crate::ErrorKind::Limit): the file would be too large.
     pub fn run(&self) -> Result<Exported, Error> {
-        let Self { model, skin, examples, clips, between, levels, appearance, placement } = *self;
-        let (played, further) = play(model, skin, examples, clips, between, levels)?;
+        let Self { playback, appearance, placement } = *self;
+        let Playback { examples, clips, .. } = playback;
+        let (played, further) = playback.play()?;
         let skin = &played.character.skin;
         let normal = |vertex| skin.rest_normal(vertex).unwrap_or_default().map(f64::from);
         let mut normals_at_rest: Vec<_> = (0..skin.vertex_len()).map(normal).collect();

@@ -6,7 +6,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Loaded, Source, load};
-use sinew_trainer::export::{Export, Placement};
+use sinew_trainer::export::{Export, Placement, Playback};
 use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 use std::collections::{BTreeMap, BTreeSet};
@@ -99,12 +99,14 @@ fn the_fox_keeps_its_texture_and_is_smooth() {
     let Loaded { examples, clips, .. } = load(&Source::file(Path::new(&file))).unwrap();
     let bytes = model(&examples);
     let export = Export {
-        model: &bytes,
-        skin: None,
-        examples: &examples,
-        clips: &clips,
-        between: false,
-        levels: &[],
+        playback: Playback {
+            model: &bytes,
+            skin: None,
+            examples: &examples,
+            clips: &clips,
+            between: false,
+            levels: &[],
+        },
         appearance: &Appearance::default(),
         placement: Placement::AsModel,
     };

@@ -11,7 +11,7 @@ use pages::{blocks, read, repository};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{Model, SkinJob};
 use sinew_trainer::examples::Clip;
-use sinew_trainer::export::{Export, Placement};
+use sinew_trainer::export::{Export, Placement, Playback};
 use sinew_trainer::formats::appearance::Appearance;
 use std::path::Path;
 
@@ -70,12 +70,14 @@ fn read_look(line: &str) -> (f32, [f32; 6], u32) {
 /// Makes the file of the page's clip: the arm with all of its frames.
 fn exported() -> Vec<u8> {
     let export = Export {
-        model: &arm::FILE,
-        skin: None,
-        examples: &arm::EXAMPLES,
-        clips: &[whole()],
-        between: false,
-        levels: &[],
+        playback: Playback {
+            model: &arm::FILE,
+            skin: None,
+            examples: &arm::EXAMPLES,
+            clips: &[whole()],
+            between: false,
+            levels: &[],
+        },
         appearance: &Appearance::default(),
         placement: Placement::AsModel,
     };

@@ -9,26 +9,15 @@ use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::examples::{Clip, Examples, Loaded, Source, load, load_poses};
-use sinew_trainer::export::{Export, Placement};
+use sinew_trainer::export::{Export, Placement, Playback};
 use sinew_trainer::formats::appearance::{self, Appearance};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 fn dressed(model: &[u8], examples: &Examples, clips: &[Clip], appearance: &Appearance) -> Vec<u8> {
     let placement = Placement::AsModel;
-    Export {
-        model,
-        skin: None,
-        examples,
-        clips,
-        between: false,
-        levels: &[],
-        appearance,
-        placement,
-    }
-    .run()
-    .unwrap()
-    .glb
+    let playback = Playback { model, skin: None, examples, clips, between: false, levels: &[] };
+    Export { playback, appearance, placement }.run().unwrap().glb
 }
 
 /// Trains on a scene and exports its first clip with the appearance of the scene.

@@ -20,7 +20,7 @@ use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Clip, Examples, npz};
-use sinew_trainer::export::{Export, Exported, Placement};
+use sinew_trainer::export::{Export, Exported, Placement, Playback};
 use sinew_trainer::formats::appearance::Appearance;
 use sinew_trainer::progress::Silent;
 
@@ -49,7 +49,8 @@ fn export(
     placement: Placement,
 ) -> Result<Exported, Error> {
     let appearance = &Appearance::default();
-    Export { model, skin, examples, clips, between: false, levels, appearance, placement }.run()
+    let playback = Playback { model, skin, examples, clips, between: false, levels };
+    Export { playback, appearance, placement }.run()
 }
 
 fn clip(name: &str, first: usize, len: usize) -> Clip {

@@ -10,7 +10,7 @@ use crate::envelope::levels::check_places;
 use crate::envelope::posed::rest;
 use crate::evaluate::Character;
 use crate::examples::{Clip, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
-use crate::export::{Export, ExportInto, Grafted, Placement, check_clips};
+use crate::export::{Export, ExportInto, Grafted, Placement, Playback, check_clips};
 use crate::formats::appearance;
 use crate::space::SpaceRequest;
 use crate::{Error, ErrorKind};
@@ -131,7 +131,7 @@ impl Run for ExportArgs {
         let between = self.fps.is_none() && ending(&self.clip, &["npz"]).is_err();
         let exporting = Bars::busy(output, "exporting");
         let (examples, clips, levels) = (&examples, &clips, &levels);
-        let model = &model;
+        let playback = Playback { model: &model, skin, examples, clips, between, levels };
         check_clips(clips).of(&self.clip)?;
         // Checked here, because a later error would get the name of the model.
         check_places(levels, examples)?;
@@ -145,16 +145,14 @@ impl Run for ExportArgs {
                     let text = format!("images that cannot be read, and are left out: {names}");
                     output.warn(dressed.display(), text);
                 }
-                let export =
-                    Export { model, skin, examples, clips, between, levels, appearance, placement };
-                let exported = export.run().map_err(|error| self.blame(error, clips))?;
+                let exported = Export { playback, appearance, placement }.run();
+                let exported = exported.map_err(|error| self.blame(error, clips))?;
                 let names: Vec<String> = clips.iter().map(|clip| clip.name.clone()).collect();
                 (exported.glb, names, exported.levels, None)
             }
             Some(file) => {
-                let export =
-                    ExportInto { model, skin, examples, clips, between, levels, names, file };
-                let grafted = export.run().map_err(|error| self.blame(error, clips))?;
+                let grafted = ExportInto { playback, names, file }.run();
+                let grafted = grafted.map_err(|error| self.blame(error, clips))?;
                 let Grafted { glb, animations, levels, meshes, added_joints, kept_animations } =
                     grafted;
                 (glb, animations, levels, Some((meshes, added_joints, kept_animations)))

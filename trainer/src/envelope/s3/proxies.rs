@@ -158,7 +158,8 @@ fn fewest(
 /// Returns the error of a fit that cannot reach the requested error.
 ///
 /// - `limit`: requested RMS error, as a share of the diagonal.
-/// - `reached`: error with `proxies` proxies, the most there can be.
+/// - `reached`: error with the largest possible number of proxies.
+/// - `proxies`: this number.
 pub(in crate::envelope) fn out_of_reach(limit: f64, reached: f64, proxies: usize) -> Error {
     Error::fit(format!(
         "{} % is out of reach: {proxies} helpers, the most there can be, come to {:.4} % of the \

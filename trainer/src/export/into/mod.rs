@@ -14,12 +14,11 @@ use serde_json::{Value, json};
 
 use self::find::Found;
 use self::joints::OwnJoints;
-use super::play::play;
+use super::play::Playback;
 use super::proxies::ProxyNodes;
 use super::skeleton::{rounded, wide};
 use crate::Error;
-use crate::envelope::levels::{Level, LevelReport};
-use crate::examples::{Clip, Examples};
+use crate::envelope::levels::LevelReport;
 use crate::formats::gltf::rigged::{RiggedFile, RiggedMesh};
 use crate::formats::gltf::write::Document;
 use crate::formats::scene::JointNames;
@@ -51,19 +50,8 @@ type Rows = [[f32; 4]; 3];
 /// each clip. Everything else stays.
 #[derive(Clone, Copy)]
 pub struct ExportInto<'a> {
-    /// Bytes of a model's file.
-    pub model: &'a [u8],
-    /// Name of the exported skin; the model's first if `None`.
-    pub skin: Option<&'a str>,
-    /// The poses.
-    pub examples: &'a Examples,
-    /// The clips of the frames.
-    pub clips: &'a [Clip],
-    /// Whether helpers get more keys between frames. Between frames the skin is then within 0.1 % of the diagonal of
-    /// the model's skin.
-    pub between: bool,
-    /// Further meshes to add.
-    pub levels: &'a [Level],
+    /// The model and its clips.
+    pub playback: Playback<'a>,
     /// Conversion of the file's joint names to the model's.
     pub names: JointNames<'a>,
     /// The artist's file.
@@ -77,10 +65,11 @@ impl ExportInto<'_> {
     /// - The errors of [`Export::run`](crate::export::Export::run) about the model, clips and further meshes.
     /// - The file cannot be read, lacks the model's mesh, or cannot hold its motion; the error names the file.
     pub fn run(&self) -> Result<Grafted, Error> {
-        let Self { model, skin, examples, clips, between, levels, names, file: path } = *self;
+        let Self { playback, names, file: path } = *self;
+        let Playback { examples, clips, levels, .. } = playback;
         let in_file = |error: Error| error.in_file(path);
         let file = RiggedFile::read(path).map_err(in_file)?;
-        let (played, further) = play(model, skin, examples, clips, between, levels)?;
+        let (played, further) = playback.play()?;
         let known = joints::nodes(&file, &played.skeleton.names, &names).map_err(in_file)?;
         let root = known.get(played.skeleton.root()).copied().flatten();
         let found = Found::new(&file, root, &played.rest, examples.diagonal(), &played.poses)

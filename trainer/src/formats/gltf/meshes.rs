@@ -111,7 +111,7 @@ impl Meshes {
     /// Reads meshes as [`Meshes::read`] does, at least one.
     ///
     /// # Errors
-    /// Those of [`Meshes::read`], and that there is no mesh.
+    /// Those of [`Meshes::read`]; also if the file has no mesh.
     pub(super) fn required(file: &Parsed, wanted: Wanted) -> Result<Self, Error> {
         let all = Self::read(file, wanted)?;
         match all.instances.is_empty() {

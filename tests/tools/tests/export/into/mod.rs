@@ -9,7 +9,7 @@ use sinew_runtime::envelope::Predictor;
 use sinew_trainer::Error;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::{Clip, Examples, JointNames};
-use sinew_trainer::export::{ExportInto, Grafted, by_use, demo_glb};
+use sinew_trainer::export::{ExportInto, Grafted, Playback, by_use, demo_glb};
 use std::path::{Path, PathBuf};
 
 /// Exports a model's first skin into a file.
@@ -21,7 +21,8 @@ fn export_into(
     file: &Path,
 ) -> Result<Grafted, Error> {
     let names = JointNames::default();
-    ExportInto { model, skin: None, examples, clips, between: false, levels, names, file }.run()
+    let playback = Playback { model, skin: None, examples, clips, between: false, levels };
+    ExportInto { playback, names, file }.run()
 }
 
 /// The demo as an artist's file, with a trained model.
