@@ -277,36 +277,27 @@ impl Contents {
         for (kind, first) in PartKind::ALL.iter().zip(firsts) {
             for part in parts_of(manifest, loading.file, *kind) {
                 loading.of_part(part);
-                // Only one view is alive at a time, so that all share one place on the stack.
-                macro_rules! check {
-                    ($view:ident, $content:expr) => {{
-                        let mut view = $view(Part::new(loading.file));
-                        find_part(loading, manifest, (*kind, part), &mut view.0)?;
-                        first.keep(&view.0.layout);
-                        $content(&view, loading)?
-                    }};
-                }
+                let mut view = Part::new(loading.file);
+                find_part(loading, manifest, (*kind, part), &mut view)?;
+                first.keep(&view.layout);
                 match kind {
-                    PartKind::Envelope => check!(Envelope, envelope::check::content),
-                    PartKind::Skin => check!(Skin, skin::check::content),
+                    PartKind::Envelope => envelope::check::content(&Envelope(view), loading),
+                    PartKind::Skin => skin::check::content(&Skin(view), loading),
                     #[cfg(feature = "kernel")]
-                    PartKind::Kernel => check!(KernelMap, kernel::check::content),
+                    PartKind::Kernel => kernel::check::content(&KernelMap(view), loading),
                     #[cfg(feature = "prior")]
-                    PartKind::Prior => check!(Prior, prior::check_content),
+                    PartKind::Prior => prior::check_content(&Prior(view), loading),
                     #[cfg(feature = "views")]
                     PartKind::Views => {
                         let part_len = manifest.parts(loading.file).len();
                         let outputs = |part| output_rows(loading, manifest, part);
-                        let content = |views: &Views<'_>, loading: &Loading<'_>| {
-                            views::check::content(views, loading, part_len, outputs)
-                        };
-                        check!(Views, content);
+                        views::check::content(&Views(view), loading, part_len, outputs)
                     }
                     #[cfg(feature = "filter")]
-                    PartKind::Filter => check!(Filter, filter::check_content),
+                    PartKind::Filter => filter::check_content(&Filter(view), loading),
                     #[cfg(feature = "record")]
-                    PartKind::Record => check!(Record, record::check_content),
-                }
+                    PartKind::Record => record::check_content(&Record(view), loading),
+                }?;
             }
         }
         Ok(())
