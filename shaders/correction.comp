@@ -18,6 +18,8 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
     float palettes[];
 };
 
+#include "joint.glsl"
+
 // Unexplained error where no sample is near.
 const float UNEXPLAINED = 1.0e30;
 
@@ -151,7 +153,11 @@ void main() {
             first += blob[params.groups + 8u * before + 2u] >> 16u;
         }
         uint palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
-        uint dominant = pose + 12u * joint;
+        // The identity for an envelope without joints.
+        mat3 dominant = mat3(1.0);
+        if (joint != NO_JOINT) {
+            dominant = linear_part(pose + 12u * joint);
+        }
         // Each thread computes a column of a transform.
         for (uint i = thread; i < 4u * proxy_len; i += 64u) {
             precise vec3 added = vec3(0.0);
@@ -165,11 +171,11 @@ void main() {
                 }
                 added[r] = sum * w;
             }
+            precise vec3 turned =
+                dominant[0] * added.x + dominant[1] * added.y + dominant[2] * added.z;
             for (uint r = 0u; r < 3u; r++) {
-                uint q = dominant + 4u * r;
                 uint to = palette + 12u * (i / 4u) + 4u * r + i % 4u;
-                precise float value = palettes[to]
-                    + (poses[q] * added.x + poses[q + 1u] * added.y + poses[q + 2u] * added.z);
+                precise float value = palettes[to] + turned[r];
                 palettes[to] = value;
             }
         }

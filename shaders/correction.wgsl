@@ -134,7 +134,11 @@ fn main(
             first += blob[params.groups + 8u * before + 2u] >> 16u;
         }
         let palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
-        let dominant = pose + 12u * joint;
+        // The identity for an envelope without joints.
+        var dominant = mat3x3<f32>(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+        if joint != NO_JOINT {
+            dominant = linear_part(pose + 12u * joint);
+        }
         // Each thread computes a column of a transform.
         for (var i = thread; i < 4u * proxy_len; i += 64u) {
             var added = vec3<f32>(0.0);
@@ -148,10 +152,9 @@ fn main(
                 }
                 added[r] = sum * w;
             }
+            let turned = dominant[0] * added.x + dominant[1] * added.y + dominant[2] * added.z;
             for (var r = 0u; r < 3u; r++) {
-                let q = dominant + 4u * r;
-                let out = palette + 12u * (i / 4u) + 4u * r + i % 4u;
-                palettes[out] += poses[q] * added.x + poses[q + 1u] * added.y + poses[q + 2u] * added.z;
+                palettes[palette + 12u * (i / 4u) + 4u * r + i % 4u] += turned[r];
             }
         }
     }

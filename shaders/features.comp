@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Stage features: the rotation and the translation of each joint relative to its parent. One thread
-// a joint.
+// Stage features: the rotation and the translation of each joint relative to its parent, and the
+// curves. One thread a joint and a curve.
 
 #include "params.glsl"
 #include "blob.glsl"
@@ -11,9 +11,14 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 2, std430) readonly buffer Poses {
     float poses[];
 };
-layout(set = 0, binding = 3, std430) buffer Scratch {
+layout(set = 0, binding = 3, std430) readonly buffer Curves {
+    float curves[];
+};
+layout(set = 0, binding = 4, std430) buffer Scratch {
     float scratch[];
 };
+
+#include "joint.glsl"
 
 // S - I, where S is half of a rotation; the odd part of S fades towards half a turn.
 mat3 half_of(mat3 m) {
@@ -40,49 +45,47 @@ mat3 half_of(mat3 m) {
 void main() {
     uint instance = gl_WorkGroupID.y;
     uint joint = gl_GlobalInvocationID.x;
+    uint curve = joint;
+    uint base = params.scratch_offset + instance * params.scratch_stride;
+    if (curve < params.curve_len) {
+        uint at = params.curves_offset + instance * params.curves_stride + curve;
+        scratch[base + params.curve_features + curve] = curves[at];
+    }
     if (joint >= params.joint_len) {
         return;
     }
     uint pose = params.poses_offset + instance * params.poses_stride;
-    uint base = params.scratch_offset + instance * params.scratch_stride;
     uint to = base + params.features + 12u * joint;
     uint parent = blob_half(params.hierarchy, joint);
-    if (parent == NO_JOINT) {
+    uint own = pose + 12u * joint;
+    mat3 linear = linear_part(own);
+    uint above = pose + 12u * parent;
+    if (parent == NO_JOINT || is_hidden(linear) || is_hidden(linear_part(above))) {
         for (uint i = 0u; i < 12u; i++) {
             scratch[to + i] = 0.0;
         }
         return;
     }
+    mat3 parent_linear = linear_part(above);
     vec3 origin = blob_vec3(params.origins + 3u * joint);
-    uint above = pose + 12u * parent;
-    uint own = pose + 12u * joint;
-    mat3 rotation;
-    for (uint r = 0u; r < 3u; r++) {
-        float x = poses[above + r];
-        float y = poses[above + 4u + r];
-        float z = poses[above + 8u + r];
-        precise vec4 row;
-        for (uint c = 0u; c < 4u; c++) {
-            precise float a = poses[own + c];
-            precise float b = poses[own + 4u + c];
-            precise float d = poses[own + 8u + c];
-            if (c == 3u) {
-                // The difference comes first, so that the rest pose gives exactly 0.
-                a -= poses[above + 3u];
-                b -= poses[above + 7u];
-                d -= poses[above + 11u];
-            }
-            row[c] = x * a + y * b + z * d;
-        }
-        for (uint c = 0u; c < 3u; c++) {
-            rotation[c][r] = row[c];
-        }
-        row[r] -= 1.0;
-        precise float origin_row = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
-        scratch[to + 4u * r + 3u] = origin_row;
+    // The differences come first, so that the rest pose gives exactly 0.
+    precise vec3 x = linear[0] - parent_linear[0];
+    precise vec3 y = linear[1] - parent_linear[1];
+    precise vec3 z = linear[2] - parent_linear[2];
+    precise vec3 apart = pose_column(own, 3u) - pose_column(above, 3u);
+    precise vec3 gap = (x * origin.x + y * origin.y + z * origin.z) + apart;
+    mat3 turn = linear;
+    mat3 parent_turn = parent_linear;
+    if (stretches()) {
+        turn = load_columns(base + params.turns + 9u * joint);
+        parent_turn = load_columns(base + params.turns + 9u * parent);
     }
-    mat3 turn = half_of(rotation);
+    gap = transform_transposed(parent_turn, gap);
+    turn = half_of(transform_columns_transposed(parent_turn, turn));
     for (uint i = 0u; i < 9u; i++) {
         scratch[to + 4u * (i % 3u) + i / 3u] = turn[i / 3u][i % 3u];
+    }
+    for (uint r = 0u; r < 3u; r++) {
+        scratch[to + 4u * r + 3u] = gap[r];
     }
 }

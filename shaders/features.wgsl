@@ -1,8 +1,9 @@
-// Stage features: the rotation and the translation of each joint relative to its parent. One thread
-// a joint.
+// Stage features: the rotation and the translation of each joint relative to its parent, and the
+// curves. One thread a joint and a curve.
 
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
-@group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
+@group(0) @binding(3) var<storage, read> curves: array<f32>;
+@group(0) @binding(4) var<storage, read_write> scratch: array<f32>;
 
 @compute @workgroup_size(64)
 fn main(
@@ -11,49 +12,48 @@ fn main(
 ) {
     let instance = workgroup.y;
     let joint = 64u * workgroup.x + thread;
+    let curve = joint;
+    let base = params.scratch_offset + instance * params.scratch_stride;
+    if curve < params.curve_len {
+        let at = params.curves_offset + instance * params.curves_stride + curve;
+        scratch[base + params.curve_features + curve] = curves[at];
+    }
     if joint >= params.joint_len {
         return;
     }
     let pose = params.poses_offset + instance * params.poses_stride;
-    let base = params.scratch_offset + instance * params.scratch_stride;
     let out = base + params.features + 12u * joint;
     let parent = blob_half(params.hierarchy, joint);
-    if parent == NO_JOINT {
+    let own = pose + 12u * joint;
+    let linear = linear_part(own);
+    let above = pose + 12u * parent;
+    if parent == NO_JOINT || is_hidden(linear) || is_hidden(linear_part(above)) {
         for (var i = 0u; i < 12u; i++) {
             scratch[out + i] = 0.0;
         }
         return;
     }
+    let parent_linear = linear_part(above);
     let origin = blob_vec3(params.origins + 3u * joint);
-    let above = pose + 12u * parent;
-    let own = pose + 12u * joint;
-    var rotation: mat3x3<f32>;
-    for (var r = 0u; r < 3u; r++) {
-        let x = poses[above + r];
-        let y = poses[above + 4u + r];
-        let z = poses[above + 8u + r];
-        var row: vec4<f32>;
-        for (var c = 0u; c < 4u; c++) {
-            var a = poses[own + c];
-            var b = poses[own + 4u + c];
-            var d = poses[own + 8u + c];
-            if c == 3u {
-                // The difference comes first, so that the rest pose gives exactly 0.
-                a -= poses[above + 3u];
-                b -= poses[above + 7u];
-                d -= poses[above + 11u];
-            }
-            row[c] = x * a + y * b + z * d;
-        }
-        for (var c = 0u; c < 3u; c++) {
-            rotation[c][r] = row[c];
-        }
-        row[r] -= 1.0;
-        scratch[out + 4u * r + 3u] = (row.x * origin.x + row.y * origin.y + row.z * origin.z) + row.w;
+    // The differences come first, so that the rest pose gives exactly 0.
+    let x = linear[0] - parent_linear[0];
+    let y = linear[1] - parent_linear[1];
+    let z = linear[2] - parent_linear[2];
+    let apart = pose_column(own, 3u) - pose_column(above, 3u);
+    var gap = (x * origin.x + y * origin.y + z * origin.z) + apart;
+    var turn = linear;
+    var parent_turn = parent_linear;
+    if stretches() {
+        turn = load_columns(base + params.turns + 9u * joint);
+        parent_turn = load_columns(base + params.turns + 9u * parent);
     }
-    let turn = half_of(rotation);
+    gap = transform_transposed(parent_turn, gap);
+    turn = half_of(transform_columns_transposed(parent_turn, turn));
     for (var i = 0u; i < 9u; i++) {
         scratch[out + 4u * (i % 3u) + i / 3u] = turn[i / 3u][i % 3u];
+    }
+    for (var r = 0u; r < 3u; r++) {
+        scratch[out + 4u * r + 3u] = gap[r];
     }
 }
 

@@ -16,11 +16,9 @@ layout(set = 0, binding = 3, std430) coherent buffer Scratch {
     float scratch[];
 };
 
-const uint KEY_WORDS = 55u;
+#include "joint.glsl"
 
-vec3 load(uint at) {
-    return vec3(scratch[at], scratch[at + 1u], scratch[at + 2u]);
-}
+const uint KEY_WORDS = 55u;
 
 void store(uint at, vec3 v) {
     scratch[at] = v.x;
@@ -28,33 +26,24 @@ void store(uint at, vec3 v) {
     scratch[at + 2u] = v.z;
 }
 
-float dot3(vec3 a, vec3 b) {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
-}
-
 vec3 transform(mat3 m, vec3 v) {
     precise vec3 sum = m[0] * v.x + m[1] * v.y + m[2] * v.z;
     return sum;
-}
-
-vec3 transform_transposed(mat3 m, vec3 v) {
-    return vec3(dot3(m[0], v), dot3(m[1], v), dot3(m[2], v));
 }
 
 mat3 transform_columns(mat3 m, mat3 n) {
     return mat3(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
 }
 
-// Column c of a 3x4 transform that is stored by rows.
-vec3 pose_column(uint at, uint c) {
-    return vec3(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
-}
-
-// The linear part of a joint's relative transform.
-mat3 rotation(uint relative, uint joint) {
-    uint at = relative + 12u * joint;
-    return mat3(load(at), load(at + 3u), load(at + 6u));
+// The transpose of the inverse of the root's linear part; 0 for a hidden root.
+mat3 inverse_transposed(mat3 linear) {
+    mat3 cofactors =
+        mat3(cross3(linear[1], linear[2]), cross3(linear[2], linear[0]), cross3(linear[0], linear[1]));
+    precise float scale = is_hidden(linear) ? 0.0 : 1.0 / dot3(linear[0], cofactors[0]);
+    precise vec3 x = cofactors[0] * scale;
+    precise vec3 y = cofactors[1] * scale;
+    precise vec3 z = cofactors[2] * scale;
+    return mat3(x, y, z);
 }
 
 // The rotation vector of a rotation matrix.
@@ -104,9 +93,9 @@ mat3 twist(uint at, vec3 theta) {
     ));
 }
 
-// A row of H, times the rotation vectors of the joint and of its parent.
-float shear(uint at, vec3 b, vec3 p) {
-    precise float sum = dot3(blob_vec3(at), b) + dot3(blob_vec3(at + 3u), p);
+// A row of six numbers, times two vectors.
+float row_product(uint at, vec3 a, vec3 b) {
+    precise float sum = dot3(blob_vec3(at), a) + dot3(blob_vec3(at + 3u), b);
     return sum;
 }
 
@@ -119,8 +108,11 @@ void main() {
     uint rotations = base + params.rotations;
 
     uint root = pose + 12u * params.root;
-    mat3 turn = mat3(pose_column(root, 0u), pose_column(root, 1u), pose_column(root, 2u));
+    mat3 back = linear_part(root);
     vec3 origin = pose_column(root, 3u);
+    if (stretches()) {
+        back = inverse_transposed(back);
+    }
     for (uint joint = thread; joint < params.joint_len; joint += 64u) {
         uint at = relative + 12u * joint;
         if (joint == params.root) {
@@ -131,26 +123,25 @@ void main() {
         } else {
             uint own = pose + 12u * joint;
             precise vec3 apart = pose_column(own, 3u) - origin;
-            store(at, transform_transposed(turn, pose_column(own, 0u)));
-            store(at + 3u, transform_transposed(turn, pose_column(own, 1u)));
-            store(at + 6u, transform_transposed(turn, pose_column(own, 2u)));
-            store(at + 9u, transform_transposed(turn, apart));
+            store(at, transform_transposed(back, pose_column(own, 0u)));
+            store(at + 3u, transform_transposed(back, pose_column(own, 1u)));
+            store(at + 6u, transform_transposed(back, pose_column(own, 2u)));
+            store(at + 9u, transform_transposed(back, apart));
         }
     }
     memoryBarrierBuffer();
     barrier();
 
+    // Rotations of stage polar, or the linear parts of the relative transforms.
+    uint turns = stretches() ? base + params.turns : relative;
+    uint turn_stride = stretches() ? 9u : 12u;
     for (uint joint = thread; joint < params.joint_len; joint += 64u) {
         uint parent = blob_half(params.hierarchy, joint);
         vec3 theta = vec3(0.0);
         if (parent != NO_JOINT) {
-            mat3 above = rotation(relative, parent);
-            mat3 own = rotation(relative, joint);
-            theta = log_of(mat3(
-                transform_transposed(above, own[0]),
-                transform_transposed(above, own[1]),
-                transform_transposed(above, own[2])
-            ));
+            mat3 above = load_columns(turns + turn_stride * parent);
+            mat3 own = load_columns(turns + turn_stride * joint);
+            theta = log_of(transform_columns_transposed(above, own));
         }
         store(rotations + 3u * joint, theta);
     }
@@ -167,20 +158,35 @@ void main() {
         if (parent != NO_JOINT) {
             p = load(rotations + 3u * parent);
         }
-        uint h = at + 19u;
-        precise float xx = 1.0 + shear(h, b, p);
-        float xy = shear(h + 6u, b, p);
-        float xz = shear(h + 12u, b, p);
-        precise float yy = 1.0 + shear(h + 18u, b, p);
-        float yz = shear(h + 24u, b, p);
-        precise float zz = 1.0 + shear(h + 30u, b, p);
-        mat3 gradient = mat3(vec3(xx, xy, xz), vec3(xy, yy, yz), vec3(xz, yz, zz));
+        // Entries xx, xy, xz, yy, yz, zz of S - I.
+        float entries[6];
+        for (uint i = 0u; i < 6u; i++) {
+            precise float sum = row_product(at + 19u + 6u * i, b, p);
+            if (params.key_stretches != NONE) {
+                uint strain = base + params.strains + 6u * joint;
+                uint g = params.key_stretches + 36u * key + 6u * i;
+                sum += row_product(g, load(strain), load(strain + 3u));
+            }
+            entries[i] = sum;
+        }
+        precise float xx = 1.0 + entries[0];
+        precise float yy = 1.0 + entries[3];
+        precise float zz = 1.0 + entries[5];
+        mat3 gradient = mat3(
+            vec3(xx, entries[1], entries[2]),
+            vec3(entries[1], yy, entries[4]),
+            vec3(entries[2], entries[4], zz)
+        );
         if (residual != NO_JOINT) {
             gradient = transform_columns(twist(at + 10u, load(rotations + 3u * residual)), gradient);
         }
         gradient = transform_columns(twist(at + 1u, b), gradient);
         if (parent != NO_JOINT) {
-            gradient = transform_columns(rotation(relative, parent), gradient);
+            mat3 turn = load_columns(turns + turn_stride * parent);
+            if (stretches()) {
+                turn = transform_columns_transposed(load_columns(turns + turn_stride * params.root), turn);
+            }
+            gradient = transform_columns(turn, gradient);
         }
         uint to = base + params.gradients + 9u * key;
         store(to, gradient[0]);

@@ -6,41 +6,27 @@
 
 const KEY_WORDS: u32 = 55u;
 
-fn load(at: u32) -> vec3<f32> {
-    return vec3<f32>(scratch[at], scratch[at + 1u], scratch[at + 2u]);
-}
-
 fn store(at: u32, v: vec3<f32>) {
     scratch[at] = v.x;
     scratch[at + 1u] = v.y;
     scratch[at + 2u] = v.z;
 }
 
-fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 fn transform(m: mat3x3<f32>, v: vec3<f32>) -> vec3<f32> {
     return m[0] * v.x + m[1] * v.y + m[2] * v.z;
-}
-
-fn transform_transposed(m: mat3x3<f32>, v: vec3<f32>) -> vec3<f32> {
-    return vec3<f32>(dot3(m[0], v), dot3(m[1], v), dot3(m[2], v));
 }
 
 fn transform_columns(m: mat3x3<f32>, n: mat3x3<f32>) -> mat3x3<f32> {
     return mat3x3<f32>(transform(m, n[0]), transform(m, n[1]), transform(m, n[2]));
 }
 
-// Column c of a 3x4 transform that is stored by rows.
-fn pose_column(at: u32, c: u32) -> vec3<f32> {
-    return vec3<f32>(poses[at + c], poses[at + 4u + c], poses[at + 8u + c]);
-}
-
-// The linear part of a joint's relative transform.
-fn rotation(relative: u32, joint: u32) -> mat3x3<f32> {
-    let at = relative + 12u * joint;
-    return mat3x3<f32>(load(at), load(at + 3u), load(at + 6u));
+// The transpose of the inverse of the root's linear part; 0 for a hidden root.
+fn inverse_transposed(linear: mat3x3<f32>) -> mat3x3<f32> {
+    let x = cross3(linear[1], linear[2]);
+    let y = cross3(linear[2], linear[0]);
+    let z = cross3(linear[0], linear[1]);
+    let scale = select(1.0 / dot3(linear[0], x), 0.0, is_hidden(linear));
+    return mat3x3<f32>(x * scale, y * scale, z * scale);
 }
 
 // The rotation vector of a rotation matrix.
@@ -89,9 +75,9 @@ fn twist(at: u32, theta: vec3<f32>) -> mat3x3<f32> {
     ));
 }
 
-// A row of H, times the rotation vectors of the joint and of its parent.
-fn shear(at: u32, b: vec3<f32>, p: vec3<f32>) -> f32 {
-    return dot3(blob_vec3(at), b) + dot3(blob_vec3(at + 3u), p);
+// A row of six numbers, times two vectors.
+fn row_product(at: u32, a: vec3<f32>, b: vec3<f32>) -> f32 {
+    return dot3(blob_vec3(at), a) + dot3(blob_vec3(at + 3u), b);
 }
 
 @compute @workgroup_size(64)
@@ -106,8 +92,11 @@ fn main(
     let rotations = base + params.rotations;
 
     let root = pose + 12u * params.root;
-    let turn = mat3x3<f32>(pose_column(root, 0u), pose_column(root, 1u), pose_column(root, 2u));
+    var back = linear_part(root);
     let origin = pose_column(root, 3u);
+    if stretches() {
+        back = inverse_transposed(back);
+    }
     for (var joint = thread; joint < params.joint_len; joint += 64u) {
         let at = relative + 12u * joint;
         if joint == params.root {
@@ -117,25 +106,24 @@ fn main(
             store(at + 9u, vec3<f32>(0.0));
         } else {
             let own = pose + 12u * joint;
-            store(at, transform_transposed(turn, pose_column(own, 0u)));
-            store(at + 3u, transform_transposed(turn, pose_column(own, 1u)));
-            store(at + 6u, transform_transposed(turn, pose_column(own, 2u)));
-            store(at + 9u, transform_transposed(turn, pose_column(own, 3u) - origin));
+            store(at, transform_transposed(back, pose_column(own, 0u)));
+            store(at + 3u, transform_transposed(back, pose_column(own, 1u)));
+            store(at + 6u, transform_transposed(back, pose_column(own, 2u)));
+            store(at + 9u, transform_transposed(back, pose_column(own, 3u) - origin));
         }
     }
     storageBarrier();
 
+    // Rotations of stage polar, or the linear parts of the relative transforms.
+    let turns = select(relative, base + params.turns, stretches());
+    let turn_stride = select(12u, 9u, stretches());
     for (var joint = thread; joint < params.joint_len; joint += 64u) {
         let parent = blob_half(params.hierarchy, joint);
         var theta = vec3<f32>(0.0);
         if parent != NO_JOINT {
-            let above = rotation(relative, parent);
-            let own = rotation(relative, joint);
-            theta = log_of(mat3x3<f32>(
-                transform_transposed(above, own[0]),
-                transform_transposed(above, own[1]),
-                transform_transposed(above, own[2]),
-            ));
+            let above = load_columns(turns + turn_stride * parent);
+            let own = load_columns(turns + turn_stride * joint);
+            theta = log_of(transform_columns_transposed(above, own));
         }
         store(rotations + 3u * joint, theta);
     }
@@ -151,21 +139,31 @@ fn main(
         if parent != NO_JOINT {
             p = load(rotations + 3u * parent);
         }
-        let h = at + 19u;
-        let xy = shear(h + 6u, b, p);
-        let xz = shear(h + 12u, b, p);
-        let yz = shear(h + 24u, b, p);
+        // Entries xx, xy, xz, yy, yz, zz of S - I.
+        var entries: array<f32, 6>;
+        for (var i = 0u; i < 6u; i++) {
+            entries[i] = row_product(at + 19u + 6u * i, b, p);
+            if params.key_stretches != NONE {
+                let strain = base + params.strains + 6u * joint;
+                let g = params.key_stretches + 36u * key + 6u * i;
+                entries[i] += row_product(g, load(strain), load(strain + 3u));
+            }
+        }
         var out = mat3x3<f32>(
-            vec3<f32>(1.0 + shear(h, b, p), xy, xz),
-            vec3<f32>(xy, 1.0 + shear(h + 18u, b, p), yz),
-            vec3<f32>(xz, yz, 1.0 + shear(h + 30u, b, p)),
+            vec3<f32>(1.0 + entries[0], entries[1], entries[2]),
+            vec3<f32>(entries[1], 1.0 + entries[3], entries[4]),
+            vec3<f32>(entries[2], entries[4], 1.0 + entries[5]),
         );
         if residual != NO_JOINT {
             out = transform_columns(twist(at + 10u, load(rotations + 3u * residual)), out);
         }
         out = transform_columns(twist(at + 1u, b), out);
         if parent != NO_JOINT {
-            out = transform_columns(rotation(relative, parent), out);
+            var turn = load_columns(turns + turn_stride * parent);
+            if stretches() {
+                turn = transform_columns_transposed(load_columns(turns + turn_stride * params.root), turn);
+            }
+            out = transform_columns(turn, out);
         }
         let gradient = base + params.gradients + 9u * key;
         store(gradient, out[0]);

@@ -37,6 +37,11 @@ void main() {
     uint pose = params.poses_offset + instance * params.poses_stride + 12u * joint;
     uint to = params.palettes_offset + instance * params.palettes_stride + 12u * transform;
     for (uint i = 0u; i < 12u; i++) {
-        palettes[to + i] = poses[pose + i];
+        if (joint == NO_JOINT) {
+            // Helpers of an envelope without joints start from the identity.
+            palettes[to + i] = float(i % 5u == 0u);
+        } else {
+            palettes[to + i] = poses[pose + i];
+        }
     }
 }

@@ -31,6 +31,11 @@ fn main(
     let pose = params.poses_offset + instance * params.poses_stride + 12u * joint;
     let out = params.palettes_offset + instance * params.palettes_stride + 12u * transform;
     for (var i = 0u; i < 12u; i++) {
-        palettes[out + i] = poses[pose + i];
+        if joint == NO_JOINT {
+            // Helpers of an envelope without joints start from the identity.
+            palettes[out + i] = f32(i % 5u == 0u);
+        } else {
+            palettes[out + i] = poses[pose + i];
+        }
     }
 }

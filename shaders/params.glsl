@@ -11,6 +11,7 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint proxy_len;
     uint palette_len;
     uint group_len;
+    uint curve_len;
     uint root;
     uint predictor;
     // Offsets of sections from the blob's start; NONE if the part has no such section.
@@ -28,12 +29,18 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint origins;
     uint groups;
     uint corrections;
+    uint stretch_ranges;
+    uint key_stretches;
+    uint curve_ranges;
     // Offsets of arrays in an instance's scratch; the last two are offset and stride of the groups'
     // own scratch.
     uint relative;
     uint rotations;
     uint gradients;
+    uint turns;
+    uint strains;
     uint features;
+    uint curve_features;
     uint group_confidences;
     uint group_scratch;
     uint group_stride;
@@ -42,6 +49,8 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint scratch_stride;
     uint poses_offset;
     uint poses_stride;
+    uint curves_offset;
+    uint curves_stride;
     uint palettes_offset;
     uint palettes_stride;
     uint confidences_offset;

@@ -14,7 +14,7 @@ use sinew_runtime::{
 use std::error::Error;
 
 const INSTANCES: usize = 3;
-const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-8-kernel.snw");
+const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-9-kernel.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let bytes = match std::env::args_os().nth(1) {
@@ -24,18 +24,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = Model::from_bytes(bytes)?;
     let envelope = model.envelope().ok_or("the model has no envelope")?;
     let skin = model.skin().ok_or("the model has no skin")?;
-    let batch = Batch::skinned(&envelope, &skin, INSTANCES);
+    let mut batch = Batch::skinned(&envelope, &skin, INSTANCES);
+    // All instances share their curves.
+    batch.curves.stride = 0;
     let poses = (0..INSTANCES).map(|n| bent(&envelope, 0.3 * n as f32));
     let poses = poses.collect::<Result<Vec<_>, _>>()?;
+    let curves = curves(&envelope);
     // SAFETY: each function below uses only objects that were made before.
     let found = unsafe {
         let engine = Engine::new()?;
-        let found = on_the_gpu(&engine, &model, &envelope, &batch, &poses);
+        let found = on_the_gpu(&engine, (&model, &envelope), &batch, &poses, &curves);
         engine.destroy();
         found?
     };
     let mut differ = 0;
-    for (found, expected) in found.iter().zip(on_the_cpu(&envelope, &skin, &poses)?) {
+    for (found, expected) in found.iter().zip(on_the_cpu(&envelope, &skin, &poses, &curves)?) {
         assert_eq!(found.len(), expected.len());
         let pairs = found.iter().zip(&expected);
         let wrong = pairs.filter(|(found, expected)| found.to_bits() != expected.to_bits());
@@ -50,10 +53,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Skins on the engine's device; returns palettes, confidences and skinned attributes.
 unsafe fn on_the_gpu(
     engine: &Engine,
-    model: &Model<Vec<u8>>,
-    envelope: &Envelope<'_>,
+    (model, envelope): (&Model<Vec<u8>>, &Envelope<'_>),
     batch: &Batch,
     poses: &[Vec<Matrix3x4>],
+    curves: &[f32],
 ) -> Result<[Vec<f32>; 3], Box<dyn Error>> {
     let device = &engine.device;
     let plan = Plan::new(model, envelope, batch, &limits(&engine.limits))?;
@@ -78,9 +81,11 @@ unsafe fn on_the_gpu(
         };
         upload(Resource::Params, &plan.params());
         upload(Resource::Blob, model.blob());
-        let floats = poses.concat().concat().concat();
-        let floats: Vec<u8> = floats.iter().flat_map(|float| float.to_le_bytes()).collect();
-        upload(Resource::Poses, &floats);
+        let poses = poses.concat().concat().concat();
+        for (resource, floats) in [(Resource::Poses, &poses[..]), (Resource::Curves, curves)] {
+            let bytes: Vec<u8> = floats.iter().flat_map(|float| float.to_le_bytes()).collect();
+            upload(resource, &bytes);
+        }
 
         let stages: Vec<_> = plan.stages().collect();
         let pipelines = Pipelines::new(device, &stages, vk::PipelineCache::null(), None)?;
@@ -129,13 +134,14 @@ fn on_the_cpu(
     envelope: &Envelope<'_>,
     skin: &Skin<'_>,
     poses: &[Vec<Matrix3x4>],
+    curves: &[f32],
 ) -> Result<[Vec<f32>; 3], Box<dyn Error>> {
     let mut out = [const { Vec::new() }; 3];
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
     let v = skin.vertex_len();
     for pose in poses {
-        let confidence = envelope.palette(pose, &mut scratch, &mut palette)?;
+        let confidence = envelope.palette(pose, curves, &mut scratch, &mut palette)?;
         let mut skinned = vec![0.0; if skin.has_tangents() { 10 * v } else { 6 * v }];
         let floats = cells(&mut skinned);
         SkinJob {
@@ -171,6 +177,12 @@ fn bent(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, CallError
     let mut pose = vec![Matrix3x4::default(); local.len()];
     model_space_pose(envelope, &local, &mut pose)?;
     Ok(pose)
+}
+
+/// Returns the greatest trained value of each curve.
+fn curves(envelope: &Envelope<'_>) -> Vec<f32> {
+    let ranges = (0..envelope.curve_len()).filter_map(|curve| envelope.curve_range(curve));
+    ranges.map(|[_, most]| most).collect()
 }
 
 /// The Vulkan objects that an engine already has.

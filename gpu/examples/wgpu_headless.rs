@@ -12,7 +12,7 @@ use std::error::Error;
 use wgpu::{BufferDescriptor, BufferUsages, CommandEncoderDescriptor};
 
 const INSTANCES: usize = 3;
-const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-8-kernel.snw");
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-9-kernel.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -30,7 +30,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (device, queue) = (headless.device(), headless.queue());
 
     // Once: the batch, its pipelines, and buffers of the sizes that the plan needs.
-    let batch = Batch::skinned(&envelope, &skin, INSTANCES);
+    let mut batch = Batch::skinned(&envelope, &skin, INSTANCES);
+    // All instances share their curves.
+    batch.curves.stride = 0;
     let plan = Plan::new(&model, &envelope, &batch, &limits(&device.limits()))?;
     let pipelines = Pipelines::new(device, plan.stages())?;
     let buffer = |resource, usage| {
@@ -42,6 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let params = buffer(Resource::Params, BufferUsages::UNIFORM | BufferUsages::COPY_DST);
     let blob = buffer(Resource::Blob, input);
     let posed = buffer(Resource::Poses, input);
+    let curved = buffer(Resource::Curves, input);
     let scratch = buffer(Resource::Scratch, BufferUsages::STORAGE);
     let palettes = buffer(Resource::Palettes, output);
     let confidences = buffer(Resource::Confidences, output);
@@ -54,18 +57,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         .with(Resource::Params, &params, 0)
         .with(Resource::Blob, &blob, 0)
         .with(Resource::Poses, &posed, 0)
+        .with(Resource::Curves, &curved, 0)
         .with(Resource::Scratch, &scratch, 0)
         .with(Resource::Palettes, &palettes, 0)
         .with(Resource::Confidences, &confidences, 0)
         .with(Resource::Out, &out, 0);
     let bound = Bound::new(&pipelines, &plan, &buffers)?;
 
-    // Each frame: write poses, record dispatches; the engine submits.
+    // Each frame: write poses and curves, record dispatches; the engine submits.
     let poses = (0..INSTANCES).map(|n| pose(&envelope, 0.25 * n as f32));
     let poses = poses.collect::<Result<Vec<_>, _>>()?;
     let floats = poses.iter().flatten().flatten().flatten();
     let bytes: Vec<u8> = floats.flat_map(|x| x.to_le_bytes()).collect();
     queue.write_buffer(&posed, 0, &bytes);
+    let curves = curves(&envelope);
+    let bytes: Vec<u8> = curves.iter().flat_map(|x| x.to_le_bytes()).collect();
+    queue.write_buffer(&curved, 0, &bytes);
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
     bound.encode(&mut encoder, INSTANCES)?;
     queue.submit([encoder.finish()]);
@@ -79,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
     let mut skinned = vec![[0.0; 3]; skin.vertex_len()];
     for (n, pose) in poses.iter().enumerate() {
-        let confidence = envelope.palette(pose, &mut scratch, &mut palette)?;
+        let confidence = envelope.palette(pose, &curves, &mut scratch, &mut palette)?;
         skin.skin_positions(&palette, &mut skinned)?;
         let cpu = palette.as_flattened().as_flattened();
         let gpu = &palettes[12 * palette.len() * n..];
@@ -109,6 +116,12 @@ fn pose(envelope: &Envelope<'_>, angle: f32) -> Result<Vec<Matrix3x4>, Box<dyn E
     let mut out = vec![[[0.0; 4]; 3]; local.len()];
     model_space_pose(envelope, &local, &mut out)?;
     Ok(out)
+}
+
+/// Returns the greatest trained value of each curve.
+fn curves(envelope: &Envelope<'_>) -> Vec<f32> {
+    let ranges = (0..envelope.curve_len()).filter_map(|curve| envelope.curve_range(curve));
+    ranges.map(|[_, most]| most).collect()
 }
 
 /// Counts the bits in which `some` differs from the start of `others`.

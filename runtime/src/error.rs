@@ -48,6 +48,8 @@ pub enum CallErrorKind {
     OtherName,
     /// The names contain only the root of the envelope's `expected` joints.
     NoJoints,
+    /// The names lack curve `index`.
+    NoCurve,
 }
 
 named! {
@@ -131,6 +133,12 @@ named! {
         Clips = 36, "clips";
         /// Pixels of a layer that is drawn into its own buffer.
         Group = 37, "group";
+        /// Curves: their values, or the caller's curve that drives each.
+        Curves = 38, "curves";
+        /// Rotations of joints that stretch.
+        Turns = 39, "joint rotations";
+        /// Strains of joints that stretch.
+        Strains = 40, "strains";
     }
     /// Every argument.
     ALL;
@@ -183,6 +191,7 @@ impl Argument {
             Self::Scores => ["view"; 2],
             Self::Pixels | Self::Depths => ["pixel"; 2],
             Self::Samples => ["number"; 2],
+            Self::Curves => ["curve"; 2],
             _ => ["joint"; 2],
         }
     }
@@ -232,6 +241,10 @@ impl fmt::Display for CallError {
             CallErrorKind::NoJoints => write!(
                 f,
                 "{name}: the root alone of {expected} joints is among them: compare them with Envelope::joint_name"
+            ),
+            CallErrorKind::NoCurve => write!(
+                f,
+                "{name}: curve {index} is not among them: compare them with Envelope::curve_name"
             ),
         }
     }

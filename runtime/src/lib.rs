@@ -18,10 +18,11 @@
 //!     }
 //!     let mut pose = vec![matrix::IDENTITY; envelope.joint_len()];
 //!     model_space_pose(&envelope, &local, &mut pose)?;
-//!     debug_assert_eq!(envelope.check_pose(&pose), Ok(()));
+//!     let curves = vec![0.0; envelope.curve_len()];
+//!     debug_assert_eq!(envelope.check_pose(&pose, &curves), Ok(()));
 //!     let mut palette: Vec<Matrix3x4> = vec![matrix::IDENTITY; envelope.palette_len()];
 //!     let mut scratch = vec![0.0; envelope.scratch_len()];
-//!     envelope.palette(&pose, &mut scratch, &mut palette)?;
+//!     envelope.palette(&pose, &curves, &mut scratch, &mut palette)?;
 //!     let mut positions = vec![[0.0; 3]; skin.vertex_len()];
 //!     skin.skin_positions(&palette, &mut positions)?;
 //!     Ok(positions)

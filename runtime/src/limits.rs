@@ -24,6 +24,8 @@ pub struct Limits {
     pub influences: u32,
     /// Shapes of a skin; the format's own limit is 65,535.
     pub shapes: u32,
+    /// Curves of an envelope; the format's own limit is 65,535.
+    pub curves: u32,
 }
 
 impl Limits {
@@ -37,6 +39,7 @@ impl Limits {
         proxies: 1024,
         influences: 32,
         shapes: 4096,
+        curves: 4096,
     };
 
     /// Limits of the format itself.
@@ -49,6 +52,7 @@ impl Limits {
         proxies: u32::MAX,
         influences: u32::MAX,
         shapes: u32::MAX,
+        curves: u32::MAX,
     };
 }
 

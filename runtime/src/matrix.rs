@@ -10,6 +10,7 @@
 //! | Blender's Python, NumPy: rows, for column vectors | rows, one after the other | [`from_rows`] |
 //! | glam's `Affine3A::to_cols_array` | four columns of three | [`from_affine_columns`] |
 
+use crate::envelope::RIGID_TOLERANCE;
 use crate::linear::{Matrix3x4, columns, dot};
 use crate::numeric::sqrt;
 
@@ -74,8 +75,8 @@ pub const fn to_columns(m: &Matrix3x4) -> [f32; 16] {
 
 /// Divides a pose by the uniform scale that all its joints share, and returns the scale.
 ///
-/// A scaled actor has a pose with a scale; the divided pose is rigid. [`scale_palette`] applies the
-/// scale again:
+/// A scaled actor has a pose with a scale; the divided pose is that of the actor at its own size. [`scale_palette`]
+/// applies the scale again:
 ///
 /// ```
 /// use sinew_runtime::{CallError, Envelope, Matrix3x4, scale_palette, take_scale};
@@ -83,23 +84,26 @@ pub const fn to_columns(m: &Matrix3x4) -> [f32; 16] {
 /// fn palette(
 ///     envelope: &Envelope<'_>,
 ///     pose: &mut [Matrix3x4],
+///     curves: &[f32],
 ///     scratch: &mut [f32],
 ///     palette: &mut [Matrix3x4],
 /// ) -> Result<f32, CallError> {
 ///     let scale = take_scale(pose);
-///     let confidence = envelope.palette(pose, scratch, palette)?;
+///     let confidence = envelope.palette(pose, curves, scratch, palette)?;
 ///     scale_palette(palette, scale);
 ///     Ok(confidence)
 /// }
 /// ```
 ///
-/// The scale is the mean over the columns of the first joint's rotation. A scale within
-/// [`SCALE_TOLERANCE`] of a number of few bits is rounded to that number. A scale of 1 returns 1,
-/// and the pose keeps its bits; so does a scale that is not finite or not greater than 0. A scale
-/// that is a power of two is divided out and restored exactly. Normals and tangents need no
-/// correction: they have length 1 for any scale of the palette.
+/// The scale is the mean length of the columns of the first joint's linear part. The columns must be equally long and
+/// at right angles, within [`RIGID_TOLERANCE`] of the squared length: a joint that stretches or shears has no such
+/// scale. A scale within [`SCALE_TOLERANCE`] of a number of few bits is rounded to that number. Without a scale, or for
+/// a scale of 1, the result is 1 and the pose keeps its bits; so does a scale that is not finite or not greater than 0.
+/// A scale that is a power of two is divided out and restored exactly. Normals and tangents need no correction: they
+/// have length 1 for any scale of the palette.
 pub fn take_scale(pose: &mut [Matrix3x4]) -> f32 {
-    let scale = rounded(pose.first().map_or(1.0, scale_of));
+    let first = pose.first().filter(|first| is_uniform(first));
+    let scale = rounded(first.map_or(1.0, scale_of));
     if !scale.is_normal() || scale == 1.0 {
         return 1.0;
     }
@@ -122,6 +126,15 @@ fn rounded(scale: f32) -> f32 {
     let near = scale.to_bits().wrapping_add(1 << (LOST - 1)) >> LOST << LOST;
     let near = f32::from_bits(near);
     if (scale - near).abs() <= SCALE_TOLERANCE * near { near } else { scale }
+}
+
+/// Whether the columns of a matrix are equally long and at right angles.
+fn is_uniform(m: &Matrix3x4) -> bool {
+    let [x, y, z, _] = columns(m);
+    let square = scale_of(m) * scale_of(m);
+    let near = |found: f32, expected: f32| (found - expected).abs() <= RIGID_TOLERANCE * square;
+    let are_equal = [x, y, z].iter().all(|column| near(dot(*column, *column), square));
+    are_equal && near(dot(x, y), 0.0) && near(dot(y, z), 0.0) && near(dot(z, x), 0.0)
 }
 
 /// Returns the scale of a matrix, as the mean over its columns.
@@ -176,5 +189,19 @@ mod tests {
         }
         let mut unknown = [[[f32::NAN; 4]; 3]];
         assert_eq!((take_scale(&mut unknown), take_scale(&mut [])), (1.0, 1.0));
+    }
+
+    #[test]
+    fn only_a_scale_along_all_axes_is_taken_out() {
+        let first = |xx, xy| [[xx, xy, 0.0, 1.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]];
+        for uneven in [first(2.01, 0.0), first(1.0, 0.0), first(2.0, 0.01), first(2.0, 2.0)] {
+            let mut pose = [uneven, IDENTITY];
+            assert_eq!((take_scale(&mut pose), pose), (1.0, [uneven, IDENTITY]));
+        }
+        for nearly in [first(2.0, 0.0), first(2.002, 0.0), first(2.0, 0.002)] {
+            let mut pose = [nearly, IDENTITY];
+            assert!((take_scale(&mut pose) - 2.0).abs() < 1e-3);
+            assert!((pose[1][0][0] - 0.5).abs() < 1e-3);
+        }
     }
 }

@@ -26,7 +26,7 @@ part::view! { Record, RecordLayout, |words| -> RecordCounts { RecordCounts::from
 
 impl<'a> Record<'a> {
     /// Lists the marks of the training frames: numbers that identify a frame in any axes and unit
-    /// (METHOD §1.11).
+    /// (METHOD §1.12).
     pub fn frame_marks(&self) -> impl ExactSizeIterator<Item = [f32; MARK_LEN]> + use<'a> {
         self.0.array(MARKS).iter().map(floats)
     }

@@ -2,16 +2,48 @@
 //!
 //! [`crate::Envelope::palette`] composes the stages; [`crate::SkinJob`] is the last stage.
 
-use crate::envelope::{self, Envelope};
+use crate::envelope::pose::Pose;
+use crate::envelope::{self, Envelope, STRAIN_LEN};
 use crate::error::{Argument, CallError};
-use crate::linear::Matrix3x4;
+use crate::linear::{Columns, Matrix3x4};
+
+/// Stage polar: splits the linear part L of each joint into the nearest rotation and the strain
+/// `(LᵀL - I) / 2`. The first stage of an envelope whose joints stretch.
+///
+/// A joint whose determinant is below 1e-3 is hidden or mirrored: both results are 0. A joint whose
+/// [`Envelope::stretch_range`] is 0 has L as its rotation.
+///
+/// - `pose`: J skinning matrices, rest to posed, in model space.
+/// - `out_turns`: J rotations, as three columns.
+/// - `out_strains`: J strains: xx, xy, xz, yy, yz, zz. For a kernel envelope, the features from
+///   `12 J` on.
+///
+/// # Errors
+/// - [`crate::CallErrorKind::NoStage`]: no joint stretches.
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+pub fn polar(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    out_turns: &mut [Columns],
+    out_strains: &mut [[f32; STRAIN_LEN]],
+) -> Result<(), CallError> {
+    envelope.check_stage(envelope.stretches())?;
+    envelope.check_joints(pose)?;
+    Argument::Turns.check_len(envelope.joint_len(), out_turns.len())?;
+    Argument::Strains.check_len(envelope.joint_len(), out_strains.len())?;
+    envelope::polar::polar(envelope, pose, out_turns, out_strains);
+    Ok(())
+}
 
 /// Stage gradients: computes the joints' transforms relative to the root, their rotations, and the
 /// predicted gradients.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space.
+/// - `turns`, `strains`: from [`polar`]; empty if no joint stretches.
 /// - `out_relative`: 4 J columns, the stack q of METHOD §1.7.3. `[4 j + c]` is column c of `B_r^-1
-///   B_j`, with `B_r` taken as rigid. The root's transform is exactly `[I | 0]`.
+///   B_j`, with `B_r` taken as rigid if no joint stretches. The root's transform is exactly `[I |
+///   0]`.
 /// - `out_rotations`: J rotation vectors theta_j in radians, each relative to its parent; 0 for the
 ///   root. A matrix that is not a rotation gives the vector of its nearest quaternion.
 /// - `out_gradients`: 3 P columns, the stack d. `[3 l + c]` is column c of `D_l`, without the
@@ -24,16 +56,26 @@ use crate::linear::Matrix3x4;
 pub fn gradients(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
+    (turns, strains): (&[Columns], &[[f32; STRAIN_LEN]]),
     out_relative: &mut [[f32; 3]],
     out_rotations: &mut [[f32; 3]],
     out_gradients: &mut [[f32; 3]],
 ) -> Result<(), CallError> {
     envelope.check_stage(envelope.predictor().reconstructs())?;
-    envelope.check_finite(pose)?;
+    envelope.check_joints(pose)?;
+    envelope.check_split(turns, Some(strains))?;
     Argument::Relative.check_len(4 * envelope.joint_len(), out_relative.len())?;
     Argument::Rotations.check_len(envelope.joint_len(), out_rotations.len())?;
     Argument::Gradients.check_len(3 * envelope.proxy_len(), out_gradients.len())?;
-    envelope::rotational::gradients(envelope, pose, out_relative, out_rotations, out_gradients);
+    let split = (turns, strains);
+    envelope::rotational::gradients(
+        envelope,
+        pose,
+        split,
+        out_relative,
+        out_rotations,
+        out_gradients,
+    );
     Ok(())
 }
 
@@ -78,36 +120,45 @@ pub fn joints(
     out_palette: &mut [Matrix3x4],
 ) -> Result<(), CallError> {
     envelope.check_stage(!envelope.predictor().reconstructs())?;
-    envelope.check_finite(pose)?;
+    envelope.check_joints(pose)?;
     Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
     envelope::helpers::joints(envelope, pose, out_palette);
     Ok(())
 }
 
-/// Computes the features phi of a pose: 12 per joint, exactly 0 in the rest pose.
+/// Stage features: computes the features phi of a pose, exactly 0 in the rest pose.
 ///
-/// A joint j with parent p moves by `M = B_p^-1 B_j = [R | t]`, with `B_p` taken as rigid. Its
-/// features are the rows of `[S - I | M o - o]`. S rotates by half the angle of R (METHOD §1.9).
-/// The rest origin o makes the last column the displacement in the parent's frame. Feature `12 j +
+/// The first 12 J are those of the joints. Joint j with parent p turns by R relative to p. Its
+/// features are the rows of `[S - I | gap]`. S rotates by half the angle of R (METHOD §1.9). The gap
+/// leads from the joint's origin as p carries it to where it is, in the frame of p. Feature `12 j +
 /// 4 r + c` is entry r, c; the root's features are 0.
+///
+/// If joints stretch, 6 J strains follow, and last the C curves.
 ///
 /// - `pose`: J skinning matrices, rest to posed, in model space; [`crate::model_space_pose`] makes
 ///   them from local rotations.
-/// - `out_features`: J matrices.
+/// - `curves`: C values.
+/// - `turns`: from [`polar`]; empty if no joint stretches.
+/// - `out_features`: [`envelope::EnvelopeCounts::feature_len`] values. The strains, which [`polar`]
+///   writes, are left as they are.
 ///
 /// # Errors
 /// - [`crate::CallErrorKind::NoStage`]: the envelope is rotational and has no features.
 /// - [`crate::CallErrorKind::Length`]: an argument has another length.
-/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix is not finite.
+/// - [`crate::CallErrorKind::NonFinite`]: a joint's matrix or a curve is not finite.
 pub fn features(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
-    out_features: &mut [Matrix3x4],
+    curves: &[f32],
+    turns: &[Columns],
+    out_features: &mut [f32],
 ) -> Result<(), CallError> {
+    let pose = Pose { joints: pose, curves };
     envelope.check_stage(envelope.predictor().corrects())?;
     envelope.check_finite(pose)?;
-    Argument::Features.check_len(envelope.joint_len(), out_features.len())?;
-    envelope::helpers::features(envelope, pose, out_features);
+    envelope.check_split(turns, None)?;
+    Argument::Features.check_len(envelope.counts().feature_len(), out_features.len())?;
+    envelope::helpers::features(envelope, pose, turns, out_features);
     Ok(())
 }
 
@@ -115,11 +166,11 @@ pub fn features(
 /// confidence in the pose.
 ///
 /// The confidence is the smaller of two values: the groups' confidence and the confidence from the
-/// joints' trained ranges. Without groups the confidence is 1. Where a group's confidence is 0 its
+/// trained ranges of joints and curves. Without groups the confidence is 1. Where a group's confidence is 0 its
 /// proxies keep their bits.
 ///
 /// - `pose`: J skinning matrices; Q is a joint's 3x3.
-/// - `features`: phi, J matrices, from [`features`].
+/// - `features`: phi, from [`features`].
 /// - `scratch`: at least [`Envelope::correction_len`] floats, of any content.
 /// - `out_palette`: [`Envelope::palette_len`] transforms. The correction is added to the last P.
 ///
@@ -130,13 +181,13 @@ pub fn features(
 pub fn correction(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
-    features: &[Matrix3x4],
+    features: &[f32],
     scratch: &mut [f32],
     out_palette: &mut [Matrix3x4],
 ) -> Result<f32, CallError> {
     envelope.check_stage(envelope.predictor().corrects())?;
     Argument::Pose.check_len(envelope.joint_len(), pose.len())?;
-    Argument::Features.check_len(envelope.joint_len(), features.len())?;
+    Argument::Features.check_len(envelope.counts().feature_len(), features.len())?;
     Argument::Scratch.check_least(envelope.correction_len(), scratch.len())?;
     Argument::Palette.check_len(envelope.palette_len(), out_palette.len())?;
     if envelope.group_len() == 0 {
@@ -145,16 +196,39 @@ pub fn correction(
     Ok(envelope::helpers::correction(envelope, pose, features, scratch, out_palette))
 }
 
-/// Returns the least confidence over the joints of a rotational envelope.
+/// Stage confidence: returns the least confidence over the joints of a rotational envelope.
 ///
 /// A joint's confidence is 1 within its trained range and 0 from 1.5 times the range plus 0.1 rad
-/// on, with a quintic step between.
+/// on, with a quintic step between. Strains count alike. A hidden joint has confidence 0.
 ///
+/// - `pose`: J skinning matrices.
 /// - `rotations`: J rotation vectors, from [`gradients`].
+/// - `strains`: J strains, from [`polar`]; empty if no joint stretches.
 ///
 /// # Errors
-/// - [`crate::CallErrorKind::Length`]: `rotations` has another length.
-pub fn confidence(envelope: &Envelope<'_>, rotations: &[[f32; 3]]) -> Result<f32, CallError> {
+/// - [`crate::CallErrorKind::Length`]: an argument has another length.
+pub fn confidence(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    rotations: &[[f32; 3]],
+    strains: &[[f32; STRAIN_LEN]],
+) -> Result<f32, CallError> {
+    Argument::Pose.check_len(envelope.joint_len(), pose.len())?;
     Argument::Rotations.check_len(envelope.joint_len(), rotations.len())?;
-    Ok(envelope::confidence::of_rotations(envelope.pose_ranges(), rotations))
+    let expected = if envelope.stretches() { envelope.joint_len() } else { 0 };
+    Argument::Strains.check_len(expected, strains.len())?;
+    Ok(envelope::confidence::of_rotations(envelope, pose, rotations, strains))
+}
+
+impl Envelope<'_> {
+    /// Checks the lengths of the results of stage polar.
+    fn check_split(
+        &self,
+        turns: &[Columns],
+        strains: Option<&[[f32; STRAIN_LEN]]>,
+    ) -> Result<(), CallError> {
+        let expected = if self.stretches() { self.joint_len() } else { 0 };
+        Argument::Turns.check_len(expected, turns.len())?;
+        strains.map_or(Ok(()), |strains| Argument::Strains.check_len(expected, strains.len()))
+    }
 }

@@ -2,7 +2,7 @@
 use crate::allocator::allocated;
 use crate::common;
 use crate::common::{job, output, random_pose};
-use models::{KernelContent, Pieces, Rng, SMALL, ViewsContent};
+use models::{JOINTLESS, KernelContent, Pieces, Rng, SMALL, STRETCHING, Shape, ViewsContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::skin::{Rest, cells};
@@ -21,11 +21,14 @@ fn allocations(work: impl FnOnce()) -> usize {
 
 #[test]
 fn nothing_is_allocated() {
-    Predictor::ALL.into_iter().for_each(evaluate);
+    for predictor in Predictor::ALL {
+        [SMALL, STRETCHING].into_iter().for_each(|shape| evaluate(predictor, shape));
+    }
+    evaluate(Predictor::Kernel, JOINTLESS);
 }
 
-fn evaluate(predictor: Predictor) {
-    let bytes = Pieces::sample(predictor, SMALL).bytes();
+fn evaluate(predictor: Predictor, shape: Shape) {
+    let bytes = Pieces::sample(predictor, shape).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     let v = skin.vertex_len();
@@ -34,6 +37,7 @@ fn evaluate(predictor: Predictor) {
         LocalTransform { rotation: [0.0, 0.0, 0.6, 0.8], translation: [0.0; 3] };
         envelope.joint_len()
     ];
+    let (curves, two) = (vec![0.5; envelope.curve_len()], vec![0.5; 2 * envelope.curve_len()]);
     let poses = [pose.as_slice(), &pose].concat();
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![common::IDENTITY; envelope.palette_len()];
@@ -49,9 +53,10 @@ fn evaluate(predictor: Predictor) {
         let (envelope, skin) = (envelope.unwrap(), skin.unwrap());
         assert_eq!((model.envelopes().count(), model.skins().count()), (1, 1));
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        envelope.check_pose(&pose, &curves).ok();
+        let confidence = envelope.palette(&pose, &curves, &mut scratch, &mut palette).unwrap();
         assert!(confidence.is_finite());
-        envelope.palettes(&poses, &mut scratch, &mut palettes, &mut confidences).unwrap();
+        envelope.palettes(&poses, &two, &mut scratch, &mut palettes, &mut confidences).unwrap();
         assert_eq!(envelope.group(0).is_some(), predictor.corrects());
         skin.bounds(&palette, 0.25).unwrap();
         assert_eq!(skin.ranges().count(), 2);

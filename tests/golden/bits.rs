@@ -22,7 +22,7 @@ pub(crate) use rng::Rng;
 
 #[cfg(feature = "shapes")]
 use sinew_runtime::ShapesJob;
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::{Predictor, STRAIN_LEN};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{
     CallError, Envelope, LocalTransform, Matrix3x4, Skin, SkinJob, model_space_pose, stages,
@@ -38,17 +38,18 @@ pub(crate) struct Golden {
 
 /// Names of the stages. "palette" is the palette before the correction; "correction" is the
 /// corrected palette with the confidence.
-pub(crate) const STAGES: [&str; 8] =
-    ["pose", "gradients", "palette", "features", "correction", "skin", "bounds", "shapes"];
+pub(crate) const STAGES: [&str; 9] =
+    ["pose", "polar", "gradients", "palette", "features", "correction", "skin", "bounds", "shapes"];
 
 /// The promise of METHOD §7: change these hashes only with a reason that the commit states.
-pub(crate) const GOLDEN: [Golden; 7] = [
+pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "rotational",
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-8-rotational.snw"),
+        file: include_bytes!("envelope-9-rotational.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
+            0,
             0x831c_b019_d3a8_7b88,
             0xe00f_aad0_a34d_6eea,
             0,
@@ -61,91 +62,129 @@ pub(crate) const GOLDEN: [Golden; 7] = [
     Golden {
         name: "kernel",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-8-kernel.snw"),
+        file: include_bytes!("envelope-9-kernel.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
+            0,
             0x9c1e_3aa2_f08f_9a1b,
-            0x478a_53c0_bbf3_526b,
-            0x12b3_d484_f4de_b64e,
-            0x4e03_ef71_6665_ffb1,
-            0xcab6_4e1c_cdc4_9353,
+            0x2916_af47_4df4_8a71,
+            0x98fd_c036_693a_8229,
+            0x3548_e1f0_2552_2de6,
+            0x416e_1558_c1fd_e107,
+            0,
+        ],
+    },
+    Golden {
+        name: "rotational that stretches",
+        predictor: Predictor::Rotational,
+        file: include_bytes!("envelope-9-stretch-rotational.snw"),
+        bits: [
+            0x7f86_2534_1c7e_685e,
+            0x0a4f_a87a_737f_321a,
+            0x3c0c_6e7c_83bf_3575,
+            0x5c91_1e72_934f_9064,
+            0,
+            0x2586_2591_012d_f3bc,
+            0x7547_d093_5c1d_c7a8,
+            0xc2ea_6e20_2328_0ce5,
+            0,
+        ],
+    },
+    Golden {
+        name: "kernel that stretches",
+        predictor: Predictor::Kernel,
+        file: include_bytes!("envelope-9-stretch.snw"),
+        bits: [
+            0x7f86_2534_1c7e_685e,
+            0x0a4f_a87a_737f_321a,
+            0,
+            0x79e3_0df3_74d3_4bd6,
+            0xb87e_13ae_6f19_11ab,
+            0x480a_fb6a_c678_1de1,
+            0x20b7_df9a_35b5_f785,
+            0xf28b_8ef7_6eca_9c66,
             0,
         ],
     },
     Golden {
         name: "tangents",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-8-tangents.snw"),
+        file: include_bytes!("skin-9-tangents.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
+            0,
             0x8d6c_ffdd_2431_e4fa,
-            0x10a4_410b_d031_19e1,
-            0x26f9_461d_660e_297f,
-            0x18ee_cbfc_7395_220f,
-            0x8846_3907_63bd_9ed5,
+            0xa510_c250_0cb1_ed06,
+            0x0127_98b1_de85_840d,
+            0x2406_a6f2_0c21_8328,
+            0x7f65_ad78_652d_ea0e,
             0,
         ],
     },
     Golden {
         name: "normals",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-8-normals.snw"),
+        file: include_bytes!("skin-9-normals.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
+            0,
             0x8d6c_ffdd_2431_e4fa,
-            0x10a4_410b_d031_19e1,
-            0x26f9_461d_660e_297f,
-            0x4df5_9efb_d006_c975,
-            0x87b9_f3dd_7c5f_789a,
+            0xa510_c250_0cb1_ed06,
+            0x0127_98b1_de85_840d,
+            0xb22e_35d2_bbd1_0101,
+            0xd7d8_9f21_efde_1b5d,
             0,
         ],
     },
     Golden {
         name: "shapes of f32",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-8-f32.snw"),
+        file: include_bytes!("shapes-9-f32.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
+            0,
             0x8d6c_ffdd_2431_e4fa,
-            0x10a4_410b_d031_19e1,
-            0x26f9_461d_660e_297f,
-            0xb181_1deb_7c52_f02b,
-            0xf757_381e_3542_a06a,
-            0xe259_edc7_8b03_56a5,
+            0xa510_c250_0cb1_ed06,
+            0x0127_98b1_de85_840d,
+            0x2bf6_7a44_883a_8c8a,
+            0x4ba0_7a4b_8d27_8ac3,
+            0xf551_f27f_93f9_7f2f,
         ],
     },
     Golden {
         name: "shapes of f16",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-8-f16.snw"),
+        file: include_bytes!("shapes-9-f16.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
+            0,
             0x8d6c_ffdd_2431_e4fa,
-            0x10a4_410b_d031_19e1,
-            0x26f9_461d_660e_297f,
-            0x543d_8181_69aa_9330,
-            0xf757_381e_3542_a06a,
-            0x2581_ade0_e86d_391d,
+            0xa510_c250_0cb1_ed06,
+            0x0127_98b1_de85_840d,
+            0x8830_ff3b_2e10_74c8,
+            0x4ba0_7a4b_8d27_8ac3,
+            0x3535_8238_3ce6_1f43,
         ],
     },
     Golden {
         name: "shapes of i8",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-8-i8.snw"),
+        file: include_bytes!("shapes-9-i8.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
+            0,
             0x8d6c_ffdd_2431_e4fa,
-            0x10a4_410b_d031_19e1,
-            0x26f9_461d_660e_297f,
-            0x74dd_fc03_166d_f350,
-            0xf757_381e_3542_a06a,
-            0x4ca7_1255_bafb_b196,
+            0xa510_c250_0cb1_ed06,
+            0x0127_98b1_de85_840d,
+            0xea23_f8ee_0fa1_96c1,
+            0x4ba0_7a4b_8d27_8ac3,
+            0x8e09_9317_16ab_e9b4,
         ],
     },
 ];
@@ -157,6 +196,7 @@ const JOINTS: usize = 24;
 const PROXIES: usize = 24;
 const VERTICES: usize = 1000;
 const SHAPES: usize = 16;
+const CURVES: usize = 8;
 
 /// Room for every array of a frame, filled with zeros.
 pub(crate) struct Memory {
@@ -169,7 +209,10 @@ pub(crate) struct Memory {
     relative: [[f32; 3]; 4 * JOINTS],
     rotations: [[f32; 3]; JOINTS],
     gradients: [[f32; 3]; 3 * PROXIES],
-    features: [Matrix3x4; JOINTS],
+    turns: [[[f32; 3]; 3]; JOINTS],
+    /// Features, or only the strains of a rotational model.
+    features: [f32; (12 + STRAIN_LEN) * JOINTS + CURVES],
+    curves: [f32; CURVES],
 }
 
 impl Memory {
@@ -184,7 +227,9 @@ impl Memory {
             relative: [[0.0; 3]; 4 * JOINTS],
             rotations: [[0.0; 3]; JOINTS],
             gradients: [[0.0; 3]; 3 * PROXIES],
-            features: [[[0.0; 4]; 3]; JOINTS],
+            turns: [[[0.0; 3]; 3]; JOINTS],
+            features: [0.0; (12 + STRAIN_LEN) * JOINTS + CURVES],
+            curves: [0.0; CURVES],
         }
     }
 }
@@ -211,7 +256,8 @@ pub(crate) fn hashes(
     memory: &mut Memory,
 ) -> Result<Found, CallError> {
     let mut found = Found { bits: [0; STAGES.len()], faded: 0, finite: true };
-    let (mut rng, mut weight) = (Rng(2007), Rng(2010));
+    let (mut rng, mut weight, mut curve) = (Rng(2007), Rng(2010), Rng(2013));
+    let mut stretch = Rng(2016);
     for i in 0..poses {
         // Small, usual and large rotations, so that every branch of the logarithm runs.
         let turn = [0.01, 0.3, 1.0, 8.0][i % 4];
@@ -227,12 +273,39 @@ pub(crate) fn hashes(
             let number = weight.unit();
             *out = if number.abs() < 0.25 { 0.0 } else { number * 1.5 + 0.5 + nudge };
         }
+        // Beyond the trained ranges too.
+        let curves = cut(&mut memory.curves, envelope.curve_len());
+        curves.iter_mut().for_each(|value| *value = 1.5 * curve.unit() + nudge);
+        let pose = cut(&mut memory.pose, envelope.joint_len());
+        model_space_pose(&envelope, cut(&mut memory.local, envelope.joint_len()), pose)?;
+        if envelope.stretches() {
+            stretch_all(&envelope, pose, [0.2, 0.2, 0.1, 0.5][i % 4], &mut stretch);
+            // Every sixteenth pose hides a joint, every other one of them by a mirror.
+            let hidden = pose.first_mut().filter(|_| i % 16 == 5);
+            let scale = if i % 32 == 5 { 0.0 } else { -1.0 };
+            hidden.into_iter().flatten().for_each(|row| row[0] *= scale);
+        }
         frame(envelope, skin, memory, &mut found)?;
     }
     Ok(found)
 }
 
-/// Evaluates the pose in `memory.local`, and adds the result of each stage to its hash.
+/// Scales and shears the joints that stretched in training, by seeded numbers up to `size`.
+fn stretch_all(envelope: &Envelope<'_>, pose: &mut [Matrix3x4], size: f32, rng: &mut Rng) {
+    let joints = pose.iter_mut().enumerate();
+    for (_, map) in joints.filter(|(joint, _)| envelope.stretch_range(*joint) > Some(0.0)) {
+        let mut unit = || rng.unit() * size;
+        let [x, y, z] = [1.0 + unit(), 1.0 + unit(), 1.0 + unit()];
+        let [a, b, c] = [unit() * 0.5, unit() * 0.5, unit() * 0.5];
+        for [p, q, r, _] in map {
+            let row =
+                [*p * x + *q * a + *r * b, *p * a + *q * y + *r * c, *p * b + *q * c + *r * z];
+            [*p, *q, *r] = row;
+        }
+    }
+}
+
+/// Evaluates the pose in `memory`, and adds the result of each stage to its hash.
 fn frame(
     envelope: Envelope<'_>,
     skin: Skin<'_>,
@@ -241,17 +314,31 @@ fn frame(
 ) -> Result<(), CallError> {
     let (v, j, p) = (skin.vertex_len(), envelope.joint_len(), envelope.proxy_len());
     let Found {
-        bits: [posed, gradient, base, feature, corrected, skinned, bounded, shaped], ..
+        bits: [posed, split, gradient, base, feature, corrected, skinned, bounded, shaped],
+        ..
     } = found;
-    let pose = cut(&mut memory.pose, j);
-    model_space_pose(&envelope, cut(&mut memory.local, j), pose)?;
+    let (pose, curves) =
+        (&*cut(&mut memory.pose, j), &*cut(&mut memory.curves, envelope.curve_len()));
     add(posed, pose.as_flattened().as_flattened());
+    let stretching = if envelope.stretches() { j } else { 0 };
+    let turns = cut(&mut memory.turns, stretching);
+    let features = cut(&mut memory.features, envelope.counts().feature_len());
+    // The strains of a kernel model are features.
+    let first = if envelope.predictor().corrects() { 12 * j } else { 0 };
+    let strains = features.get_mut(first..first + STRAIN_LEN * stretching).unwrap_or_default();
+    let strains = strains.as_chunks_mut::<STRAIN_LEN>().0;
+    if stretching > 0 {
+        stages::polar(&envelope, pose, turns, strains)?;
+        add(split, turns.as_flattened().as_flattened());
+        add(split, strains.as_flattened());
+    }
+    let turns = &*turns;
     let palette = cut(&mut memory.palette, envelope.palette_len());
     if envelope.predictor().reconstructs() {
         let (relative, rotations) =
             (cut(&mut memory.relative, 4 * j), cut(&mut memory.rotations, j));
         let d = cut(&mut memory.gradients, 3 * p);
-        stages::gradients(&envelope, pose, relative, rotations, d)?;
+        stages::gradients(&envelope, pose, (turns, &*strains), relative, rotations, d)?;
         let root = pose.get(envelope.root()).unwrap_or(&[[0.0; 4]; 3]);
         stages::palette(&envelope, root, relative, d, palette)?;
         add(gradient, relative.as_flattened());
@@ -262,15 +349,15 @@ fn frame(
     }
     add(base, palette.as_flattened().as_flattened());
     let confidence = if envelope.predictor().corrects() {
-        let features = cut(&mut memory.features, j);
-        stages::features(&envelope, pose, features)?;
+        stages::features(&envelope, pose, curves, turns, features)?;
         let scratch = cut(&mut memory.scratch, envelope.correction_len());
         let confidence = stages::correction(&envelope, pose, features, scratch, palette)?;
-        add(feature, features.as_flattened().as_flattened());
+        add(feature, features);
         add(corrected, palette.as_flattened().as_flattened());
         confidence
     } else {
-        envelope.palette(pose, cut(&mut memory.scratch, envelope.scratch_len()), palette)?
+        let scratch = cut(&mut memory.scratch, envelope.scratch_len());
+        envelope.palette(pose, curves, scratch, palette)?
     };
     add(corrected, &[confidence]);
     found.faded += usize::from(confidence > 0.0 && confidence < 1.0);

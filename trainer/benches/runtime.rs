@@ -10,7 +10,7 @@ use faer::Mat;
 use sinew_runtime::envelope::{Certificate, GroupKernel, Level, Predictor};
 use sinew_runtime::skin::{Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin, SkinJob};
-use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input};
+use sinew_trainer::envelope::model::{EnvelopeModel, FeatureOrder, FileModel, Group, Input};
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pose = posed(&examples, 65);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    envelope.palette(&pose, &mut scratch, &mut palette)?;
+    envelope.palette(&pose, &[], &mut scratch, &mut palette)?;
     let mut positions = vec![[0.0; 3]; vertices];
     let mut plain = positions.clone();
     let mut normals = vec![0.0; 3 * vertices];
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for _ in 0..RUNS {
         predict_seconds.push(timed(|| {
             for _ in 0..16 {
-                envelope.palette(black_box(&pose), &mut scratch, &mut palette)?;
+                envelope.palette(black_box(&pose), &[], &mut scratch, &mut palette)?;
             }
             Ok(())
         })?);
@@ -101,7 +101,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let envelope = model.envelope().ok_or("no envelope")?;
             let frame = *examples.frames_of(Split::HeldOut).first().ok_or("nothing held out")?;
             let pose = posed(&examples, frame);
-            let seconds = palette_seconds(&envelope, &pose)?;
+            let seconds = palette_seconds(&envelope, &pose, &[])?;
             println!("kernel, {name}, P {proxies:<9}{:>8.2} µs a character", 1e6 * seconds);
             let seconds = joints_seconds(&envelope, &pose)?;
             println!("level joints               {:>8.2} µs a character", 1e6 * seconds);
@@ -206,11 +206,15 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
     let matrix = |from: usize, rows, columns| {
         Mat::from_fn(rows, columns, |r, c| number(from + r * columns + c))
     };
+    let order = FeatureOrder { joint_len: joints, stretches: false };
     let group = |g: usize| Group {
         joint: 2 * g,
         proxies: g * proxies..(g + 1) * proxies,
         inputs: (0..inputs)
-            .map(|i| Input { feature: (12 * g + 5 * i) % (12 * joints), weight: 0.5 })
+            .map(|i| Input {
+                feature: order.feature((12 * g + 5 * i) % (12 * joints)),
+                weight: 0.5,
+            })
             .collect(),
         map: KernelMap {
             kernel,
@@ -232,13 +236,14 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
             names: vec![String::new(); joints],
             parents: (0..joints).map(|joint| joint.checked_sub(1)).collect(),
             rest: vec![identity; joints],
-            roots: Vec::new(),
-            unplaced: Vec::new(),
+            ..Skeleton::default()
         },
         reconstruction: None,
         groups: (0..10).map(group).collect(),
         pose_ranges: vec![1.0; joints],
         pose_gaps: vec![0.0; joints],
+        stretch_ranges: None,
+        curves: Vec::new(),
         certificate: Certificate::default(),
     };
     let file = FileModel { envelopes: vec![envelope], ..FileModel::default() };
@@ -249,15 +254,19 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
         [[cos, -sin, 0.0, 0.1], [sin, cos, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
     };
     let pose: Vec<Matrix3x4> = (0..joints).map(turned).collect();
-    palette_seconds(&envelope, &pose)
+    palette_seconds(&envelope, &pose, &[])
 }
 
 /// Returns the seconds from pose to palette of an envelope with kernel maps.
-fn palette_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
+fn palette_seconds(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    curves: &[f32],
+) -> Result<f64, Box<dyn Error>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let seconds = seconds_of(|| {
-        let confidence = envelope.palette(black_box(pose), &mut scratch, &mut palette)?;
+        let confidence = envelope.palette(black_box(pose), curves, &mut scratch, &mut palette)?;
         assert!(confidence > 0.0, "the maps run");
         Ok(())
     })?;
@@ -270,7 +279,8 @@ fn joints_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Bo
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let seconds = seconds_of(|| {
-        envelope.palette_at(Level::Joints, black_box(pose), &mut scratch, &mut palette).map(|_| ())
+        let pose = black_box(pose);
+        envelope.palette_at(Level::Joints, pose, &[], &mut scratch, &mut palette).map(|_| ())
     })?;
     black_box(&palette);
     Ok(seconds)
@@ -278,9 +288,9 @@ fn joints_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Bo
 
 /// Returns the seconds to check an acceptable pose.
 fn check_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
-    envelope.check_pose(pose)?;
+    envelope.check_pose(pose, &[])?;
     Ok(seconds_of(|| {
-        assert!(envelope.check_pose(black_box(pose)).is_ok(), "the same pose as before");
+        assert!(envelope.check_pose(black_box(pose), &[]).is_ok(), "the same pose as before");
         Ok(())
     })?)
 }

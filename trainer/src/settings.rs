@@ -2,9 +2,9 @@
 
 /// Errors that differ by less than this factor are tied.
 pub const TIED: f64 = 1.02;
-/// RMS error in diagonals below which nobody sees a difference: a fifth of a millimetre on a body. Without this floor,
-/// noise would choose between candidates that all fit well.
-pub const UNSEEN: f64 = 1e-4;
+/// RMS error in diagonals below which nobody sees a difference: a twentieth of a millimetre on a body. The RMS hides
+/// larger errors of a few vertices. Without this floor, noise would choose between candidates that all fit well.
+pub const UNSEEN: f64 = 2.5e-5;
 /// Number of vertices for comparing candidates and for forecasts. More vertices give equal results.
 pub const FEW_VERTICES: usize = 250;
 /// A file without tangent coefficients is chosen only if the best file with them has more than this multiple of its
@@ -41,6 +41,10 @@ pub struct Settings {
     pub displacement: f64,
     /// Smallest weighted RMS spread of a displacement that becomes an input.
     pub displacement_min: f64,
+    /// Weight of the strain of a joint as an input, against the entries of a rotation.
+    pub strain: f64,
+    /// Spread of a curve as an input, against the entries of a rotation.
+    pub curve: f64,
     /// Scores of joint sets and of kernel widths tie if they differ by less than this share. Folds of the training
     /// poses say little about other poses. There fewer inputs and narrower kernels have smaller errors.
     pub input_tie: f64,
@@ -54,7 +58,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             active: 4e-4,
-            refit: UNSEEN,
+            refit: 1e-4,
             residuals: 8.0,
             pull: 3e-6,
             base: 0.015,
@@ -63,6 +67,8 @@ impl Default for Settings {
             momentum: 0.7,
             displacement: 3.0,
             displacement_min: 3e-4,
+            strain: 0.4,
+            curve: 0.2,
             input_tie: 0.2,
             negligible: 1e-7,
             range_ends: 0.25,
@@ -72,7 +78,7 @@ impl Default for Settings {
 
 impl Settings {
     /// Lists the settings with their names.
-    pub fn numbers(&mut self) -> [(&'static str, &mut f64); 13] {
+    pub fn numbers(&mut self) -> [(&'static str, &mut f64); 15] {
         [
             ("active", &mut self.active),
             ("refit", &mut self.refit),
@@ -84,6 +90,8 @@ impl Settings {
             ("momentum", &mut self.momentum),
             ("displacement", &mut self.displacement),
             ("displacement_min", &mut self.displacement_min),
+            ("strain", &mut self.strain),
+            ("curve", &mut self.curve),
             ("input_tie", &mut self.input_tie),
             ("negligible", &mut self.negligible),
             ("range_ends", &mut self.range_ends),

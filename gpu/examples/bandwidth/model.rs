@@ -3,7 +3,9 @@
 use faer::Mat;
 use sinew_runtime::envelope::{Certificate, GroupKernel};
 use sinew_runtime::format::Space;
-use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Group, Input, Shapes, SkinModel};
+use sinew_trainer::envelope::model::{
+    EnvelopeModel, Feature, FileModel, Group, Input, Shapes, SkinModel,
+};
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
@@ -40,13 +42,14 @@ fn envelope() -> EnvelopeModel {
             names: (0..JOINTS).map(|joint| format!("joint {joint}")).collect(),
             parents: (0..JOINTS).map(|joint| joint.checked_sub(1)).collect(),
             rest: (0..JOINTS).map(frame).collect(),
-            roots: Vec::new(),
-            unplaced: Vec::new(),
+            ..Skeleton::default()
         },
         reconstruction: None,
         groups: (0..HELPERS / GROUP).map(group).collect(),
         pose_ranges: vec![1.0; JOINTS],
         pose_gaps: vec![0.0; JOINTS],
+        stretch_ranges: None,
+        curves: Vec::new(),
         certificate: Certificate {
             diagonal: 10.0,
             training_rms: 0.0,
@@ -97,7 +100,10 @@ fn group(group: usize) -> Group {
         joint,
         proxies: group * GROUP..(group + 1) * GROUP,
         inputs: (0..INPUTS)
-            .map(|i| Input { feature: 12 * joint + i % 12, weight: 1.0 + i as f64 })
+            .map(|i| Input {
+                feature: Feature::Joint { joint, entry: i % 12 },
+                weight: 1.0 + i as f64,
+            })
             .collect(),
         map: KernelMap {
             kernel: GroupKernel::Gaussian,

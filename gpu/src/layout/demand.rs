@@ -93,7 +93,8 @@ impl Demand {
     pub(super) fn spans(&self, instances: Range<usize>, chunk: usize) -> Spans {
         Resource::ALL.map(|resource| match resource {
             Resource::Params => {
-                Some(Span { offset: chunk as u64 * ALIGNMENT, bytes: self.param_bytes() })
+                let bytes = self.param_bytes();
+                Some(Span { offset: chunk as u64 * bytes.next_multiple_of(ALIGNMENT), bytes })
             }
             // Shaders read whole words.
             Resource::Blob => {

@@ -24,8 +24,11 @@ pub struct Batch {
     pub instance_len: usize,
     /// [`Resource::Poses`]: 12 J floats an instance. With a stride of 0 all instances share one pose.
     pub poses: Array,
-    /// [`Resource::Palettes`]: 12 floats for each transform. If the batch skins, offset and stride must be multiples of 4.
-    /// stride are multiples of 4.
+    /// [`Resource::Curves`]: C finite floats an instance, in the order of [`Envelope::curve_name`]. With a
+    /// stride of 0 all instances share their curves.
+    pub curves: Array,
+    /// [`Resource::Palettes`]: 12 floats for each transform. If the batch skins, offset and stride must
+    /// be multiples of 4.
     pub palettes: Array,
     /// [`Resource::Confidences`]: one float an instance; `None` omits the stage.
     pub confidences: Option<Array>,
@@ -72,6 +75,7 @@ impl Batch {
         Self {
             instance_len,
             poses: Array { offset: 0, stride: 12 * envelope.joint_len() },
+            curves: Array { offset: 0, stride: envelope.curve_len() },
             palettes: Array { offset: 0, stride: 12 * envelope.palette_len() },
             confidences: Some(Array { offset: 0, stride: 1 }),
             skin: None,
@@ -115,7 +119,7 @@ impl SkinBatch {
 
 /// Sections that shaders read; each has the name of its member. `true` marks sections of the skin,
 /// `false` those of the envelope.
-const SECTIONS: [(bool, SectionKind); 14] = [
+const SECTIONS: [(bool, SectionKind); 17] = [
     (false, SectionKind::Hierarchy),
     (true, SectionKind::RestPositions),
     (true, SectionKind::RestNormals),
@@ -130,6 +134,9 @@ const SECTIONS: [(bool, SectionKind); 14] = [
     (false, SectionKind::Origins),
     (false, SectionKind::Groups),
     (false, SectionKind::Corrections),
+    (false, SectionKind::StretchRanges),
+    (false, SectionKind::KeyStretches),
+    (false, SectionKind::CurveRanges),
 ];
 
 /// Checks a batch against a model and an envelope, and returns its requirements.
@@ -147,7 +154,7 @@ pub(super) fn demand(
     let members = counts(envelope, skin.as_ref(), batch)
         .into_iter()
         .chain(SECTIONS.iter().map(section))
-        .chain(inner(&scratch))
+        .chain(inner(envelope, &scratch))
         .chain(outer(batch, &scratch));
     Ok(Demand {
         instance_len: batch.instance_len,
@@ -165,12 +172,15 @@ fn stages(envelope: &Envelope<'_>, batch: &Batch) -> Vec<(Stage, u64)> {
     let vertex_len = batch.skin.as_ref().map_or(0, |skin| skin.vertices.len());
     let reconstructs = u64::from(predictor.reconstructs());
     let corrects = u64::from(predictor.corrects());
-    let features = if envelope.group_len() > 0 { threads(envelope.joint_len()) } else { 0 };
+    let has_maps = envelope.group_len() > 0;
+    let splits = envelope.stretches() && (predictor.reconstructs() || has_maps);
+    let feature_threads = threads(envelope.joint_len().max(envelope.curve_len()));
     vec![
+        (Stage::Polar, u64::from(splits) * threads(envelope.joint_len())),
         (Stage::Gradients, reconstructs),
         (Stage::Palette, reconstructs * threads(envelope.proxy_len())),
         (Stage::Joints, (1 - reconstructs) * threads(envelope.palette_len())),
-        (Stage::Features, corrects * features),
+        (Stage::Features, corrects * u64::from(has_maps) * feature_threads),
         (Stage::Correction, corrects * envelope.group_len() as u64),
         (Stage::Skin, threads(vertex_len)),
         (Stage::Confidence, u64::from(batch.confidences.is_some())),
@@ -187,6 +197,7 @@ fn arrays(
     let own = Array { offset: 0, stride: scratch.len };
     let mut out = vec![
         (Resource::Poses, batch.poses, 12 * envelope.joint_len()),
+        (Resource::Curves, batch.curves, envelope.curve_len()),
         (Resource::Scratch, own, scratch.len),
         (Resource::Palettes, batch.palettes, 12 * envelope.palette_len()),
     ];
@@ -206,7 +217,7 @@ fn counts(
     envelope: &Envelope<'_>,
     skin: Option<&Skin<'_>>,
     batch: &Batch,
-) -> [(&'static str, Member); 10] {
+) -> [(&'static str, Member); 11] {
     let vertices = batch.skin.as_ref().map_or(0..0, |skin| skin.vertices.clone());
     [
         ("vertex_first", vertices.start),
@@ -217,6 +228,7 @@ fn counts(
         ("proxy_len", envelope.proxy_len()),
         ("palette_len", envelope.palette_len()),
         ("group_len", envelope.group_len()),
+        ("curve_len", envelope.curve_len()),
         ("root", envelope.root()),
         ("predictor", usize::from(envelope.predictor().number())),
     ]
@@ -224,12 +236,17 @@ fn counts(
 }
 
 /// Lists the offsets of arrays in the scratch of an instance.
-fn inner(scratch: &ScratchLayout) -> [(&'static str, Member); 7] {
+fn inner(envelope: &Envelope<'_>, scratch: &ScratchLayout) -> [(&'static str, Member); 10] {
+    // The curves are the last features.
+    let of_curves = envelope.counts().feature_len() - envelope.curve_len();
     [
         ("relative", scratch.relative),
         ("rotations", scratch.rotations),
         ("gradients", scratch.gradients),
+        ("turns", scratch.turns),
+        ("strains", scratch.strains),
         ("features", scratch.features),
+        ("curve_features", scratch.features + of_curves),
         ("group_confidences", scratch.confidences),
         ("group_scratch", scratch.groups),
         ("group_stride", scratch.group_stride),
@@ -246,6 +263,7 @@ fn outer(batch: &Batch, scratch: &ScratchLayout) -> Vec<(&'static str, Member)> 
     let arrays = array_members([
         (["scratch_offset", "scratch_stride"], Resource::Scratch, scratch),
         (["poses_offset", "poses_stride"], Resource::Poses, Some(batch.poses)),
+        (["curves_offset", "curves_stride"], Resource::Curves, Some(batch.curves)),
         (["palettes_offset", "palettes_stride"], Resource::Palettes, Some(batch.palettes)),
         (["confidences_offset", "confidences_stride"], Resource::Confidences, batch.confidences),
         (["host_remap_offset", "host_remap_stride"], Resource::Host, remap),

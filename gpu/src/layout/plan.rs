@@ -33,8 +33,9 @@ impl Chunk {
 
     /// Returns the resource to bind for a resource, with its span. A binding must not be empty. If
     /// the batch lacks a resource that a stage would only read, [`Resource::Blob`] is bound
-    /// instead: for [`Resource::Host`] if the host has no input, and for [`Resource::Scratch`] if
-    /// no stage writes to it.
+    /// instead: for [`Resource::Host`] if the host has no input, for [`Resource::Poses`] and
+    /// [`Resource::Curves`] if the envelope has no joints or no curves, and for
+    /// [`Resource::Scratch`] if no stage writes to it.
     pub fn bound(&self, resource: Resource) -> (Resource, Option<Span>) {
         let resource = if self.span(resource).is_some() { resource } else { Resource::Blob };
         (resource, self.span(resource))
@@ -196,8 +197,10 @@ impl Plan {
     /// Returns the content of [`Resource::Params`].
     pub fn params(&self) -> Vec<u8> {
         let mut out = vec![0; self.bytes(Resource::Params) as usize];
-        for (block, chunk) in out.chunks_mut(ALIGNMENT as usize).zip(&self.chunks) {
-            for (word, (_, value)) in block.as_chunks_mut::<4>().0.iter_mut().zip(chunk.params()) {
+        for chunk in &self.chunks {
+            let first = chunk.span(Resource::Params).map_or(0, |span| span.offset as usize);
+            let block = out.get_mut(first..).unwrap_or_default().as_chunks_mut::<4>().0;
+            for (word, (_, value)) in block.iter_mut().zip(chunk.params()) {
                 *word = value.to_le_bytes();
             }
         }

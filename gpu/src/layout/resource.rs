@@ -12,7 +12,11 @@ pub enum Resource {
     /// The model's numbers, as they are in the file. Written once.
     Blob,
     /// J skinning matrices an instance, 3x4 rows, rest to posed, in model space. Written each frame.
+    /// Needed only if the envelope has joints.
     Poses,
+    /// The values of the C curves, instance after instance. Written each frame. Needed only if the
+    /// envelope has curves.
+    Curves,
     /// The numbers of a kernel's queries, instance after instance. Written each frame.
     Queries,
     /// The weights of a skin's shapes, instance after instance. Written each frame.
@@ -36,10 +40,11 @@ pub enum Resource {
 
 impl Resource {
     /// Every resource.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Params,
         Self::Blob,
         Self::Poses,
+        Self::Curves,
         Self::Queries,
         Self::Weights,
         Self::Samples,
@@ -56,6 +61,7 @@ impl Resource {
             Self::Params => "params",
             Self::Blob => "blob",
             Self::Poses => "poses",
+            Self::Curves => "curves",
             Self::Queries => "queries",
             Self::Weights => "weights",
             Self::Samples => "samples",

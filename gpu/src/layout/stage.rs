@@ -8,13 +8,15 @@ pub const WORKGROUP: u32 = 64;
 /// A stage of the evaluation, with its name in the runtime. Every instance has its own workgroups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
+    /// Poses to the rotations and the strains of joints that stretch: one thread a joint.
+    Polar,
     /// Poses to relative transforms, rotations and gradients: one workgroup.
     Gradients,
     /// Gradients and relative transforms to palettes: one thread a transform.
     Palette,
     /// Poses to the palettes of the kernel predictor: one thread a transform.
     Joints,
-    /// Poses to features: one thread a joint.
+    /// Poses, rotations and curves to features: one thread a joint and a curve.
     Features,
     /// Features to the corrections of palettes by the kernel maps: one workgroup a group of
     /// helpers.
@@ -23,7 +25,7 @@ pub enum Stage {
     Shapes,
     /// Palettes to positions, normals and tangents: one thread a vertex.
     Skin,
-    /// Rotations, or the confidences of the groups, to one number: one workgroup.
+    /// Rotations, or features and the confidences of the groups, to one number: one workgroup.
     Confidence,
     /// Queries of a kernel to outputs and the confidence in them: one workgroup.
     Kernel,
@@ -65,7 +67,8 @@ macro_rules! spirv {
 impl Stage {
     /// Every stage, each after the stages that it reads from. No stage reads confidences, so
     /// `confidence` follows `skin`, and `skin` need not wait for it.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
+        Self::Polar,
         Self::Gradients,
         Self::Palette,
         Self::Joints,
@@ -81,6 +84,7 @@ impl Stage {
     /// Returns the stage's name: the stem of its shaders and of its module in the runtime.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Polar => "polar",
             Self::Gradients => "gradients",
             Self::Palette => "palette",
             Self::Joints => "joints",
@@ -97,12 +101,15 @@ impl Stage {
     /// Returns the complete WGSL; the entry point is `main`.
     pub const fn wgsl(self) -> &'static str {
         match self {
-            Self::Gradients => wgsl!("params", "blob", "numeric", "rotation", "gradients"),
+            Self::Polar => wgsl!("params", "blob", "joint", "polar"),
+            Self::Gradients => {
+                wgsl!("params", "blob", "numeric", "rotation", "joint", "gradients")
+            }
             Self::Palette => wgsl!("params", "blob", "palette"),
             Self::Joints => wgsl!("params", "blob", "joints"),
-            Self::Features => wgsl!("params", "blob", "rotation", "features"),
-            Self::Correction => wgsl!("params", "blob", "numeric", "correction"),
-            Self::Confidence => wgsl!("params", "blob", "numeric", "confidence"),
+            Self::Features => wgsl!("params", "blob", "rotation", "joint", "features"),
+            Self::Correction => wgsl!("params", "blob", "numeric", "joint", "correction"),
+            Self::Confidence => wgsl!("params", "blob", "numeric", "joint", "confidence"),
             Self::Shapes => wgsl!("shapes_params", "blob", "frame", "shapes"),
             Self::Skin => wgsl!("params", "blob", "frame", "skin"),
             Self::Kernel => wgsl!(
@@ -122,6 +129,7 @@ impl Stage {
     /// is `main`.
     pub const fn spirv(self) -> &'static [u8] {
         match self {
+            Self::Polar => spirv!("polar"),
             Self::Gradients => spirv!("gradients"),
             Self::Palette => spirv!("palette"),
             Self::Joints => spirv!("joints"),
@@ -139,12 +147,13 @@ impl Stage {
     /// four storage buffers.
     pub const fn bindings(self) -> &'static [Binding] {
         use Resource::{
-            Blob, Confidences, Host, Out, Palettes, Params, Poses, Queries, Samples, Scratch,
-            Weights,
+            Blob, Confidences, Curves, Host, Out, Palettes, Params, Poses, Queries, Samples,
+            Scratch, Weights,
         };
         const PARAMS: Binding = Binding::read(Params);
         const BLOB: Binding = Binding::read(Blob);
         const POSES: Binding = Binding::read(Poses);
+        const CURVES: Binding = Binding::read(Curves);
         const QUERIES: Binding = Binding::read(Queries);
         const WEIGHTS: Binding = Binding::read(Weights);
         const SAMPLES: Binding = Binding::read(Samples);
@@ -156,13 +165,14 @@ impl Stage {
         const OUT_CONFIDENCES: Binding = Binding::write(Confidences);
         const OUT: Binding = Binding::write(Out);
         match self {
-            Self::Gradients | Self::Features => &[PARAMS, BLOB, POSES, OUT_SCRATCH],
+            Self::Polar | Self::Gradients => &[PARAMS, BLOB, POSES, OUT_SCRATCH],
+            Self::Features => &[PARAMS, BLOB, POSES, CURVES, OUT_SCRATCH],
             Self::Palette => &[PARAMS, BLOB, POSES, SCRATCH, OUT_PALETTES],
             Self::Joints => &[PARAMS, BLOB, POSES, OUT_PALETTES],
             Self::Correction => &[PARAMS, BLOB, POSES, OUT_SCRATCH, OUT_PALETTES],
             Self::Shapes => &[PARAMS, BLOB, WEIGHTS, OUT],
             Self::Skin => &[PARAMS, BLOB, PALETTES, HOST, OUT],
-            Self::Confidence => &[PARAMS, BLOB, SCRATCH, OUT_CONFIDENCES],
+            Self::Confidence => &[PARAMS, BLOB, POSES, SCRATCH, OUT_CONFIDENCES],
             Self::Kernel => &[PARAMS, BLOB, QUERIES, OUT_SCRATCH, OUT],
             Self::Filter => &[PARAMS, BLOB, SAMPLES, OUT],
         }

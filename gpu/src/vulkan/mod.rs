@@ -11,16 +11,16 @@
 //! 4. The host makes a descriptor pool with room for [`pool_sizes`] and [`set_len`], and allocates
 //!    sets of [`Pipelines::set_layouts`] from the pool. [`Bound::new`] checks the buffers and
 //!    writes the sets.
-//! 5. Each frame the host writes poses, queries of a kernel, weights of shapes, or samples. Then
-//!    the host calls [`Bound::record`], which allocates nothing.
+//! 5. Each frame the host writes poses and curves, queries of a kernel, weights of shapes, or
+//!    samples. Then the host calls [`Bound::record`], which allocates nothing.
 //! 6. At the end the host destroys pool and buffers, and calls [`Pipelines::destroy`].
 //!
 //! # Barriers of the host
 //! The host places two barriers. [`Bound::record`] places the barriers between stages and between
 //! two records.
 //!
-//! Before the record: the blob, the host's input and the frame's poses, queries, weights or samples
-//! must be visible to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
+//! Before the record: the blob, the host's input and the frame's poses and curves, queries, weights
+//! or samples must be visible to [`vk::PipelineStageFlags::COMPUTE_SHADER`] with
 //! [`vk::AccessFlags::SHADER_READ`]. The params must be visible there with
 //! [`vk::AccessFlags::UNIFORM_READ`]. Commands that read the palettes, confidences and outputs of
 //! the last frame must be done.
@@ -76,7 +76,7 @@
 //!     bound: &Bound,
 //!     instance_len: usize,
 //! ) -> Result<(), Error> {
-//!     // The host's barrier goes here: writes of the poses, before the compute shaders.
+//!     // The host's barrier goes here: writes of poses and curves, before the compute shaders.
 //!     unsafe { bound.record(device, command_buffer, instance_len) }
 //!     // The host's barrier goes here: the compute shaders, before the draws.
 //! }

@@ -12,6 +12,7 @@
 //! | [`Params`](crate::layout::Resource::Params) | `UNIFORM` | writes [`Plan::params`](crate::layout::Plan::params) once |
 //! | [`Blob`](crate::layout::Resource::Blob) | `STORAGE` | writes [`Model::blob`](sinew_runtime::Model::blob) once, zeros up to a whole word |
 //! | [`Poses`](crate::layout::Resource::Poses) | `STORAGE` | writes J skinning matrices an instance each frame |
+//! | [`Curves`](crate::layout::Resource::Curves) | `STORAGE` | writes the values of the C curves an instance each frame, if the model has any |
 //! | [`Queries`](crate::layout::Resource::Queries) | `STORAGE` | writes the numbers of a kernel's query an instance each frame |
 //! | [`Weights`](crate::layout::Resource::Weights) | `STORAGE` | writes the weights of a skin's shapes an instance each frame |
 //! | [`Samples`](crate::layout::Resource::Samples) | `STORAGE` | writes the samples of a signal an instance each frame |
@@ -23,10 +24,11 @@
 //! are recorded or submitted later can read the outputs, because wgpu orders and synchronises them.
 //! The CPU sees the outputs after a copy to a buffer that is mapped.
 //!
-//! Poses must be finite, and rigid to 1e-4; `sinew_runtime`'s `Envelope::check_pose` checks that in
-//! a debug build. The CPU refuses poses that are not finite. A GPU cannot refuse, and its output
-//! for such an instance is meaningless; other instances are not affected. If the CPU would refuse a
-//! kernel's query, the GPU writes NaN as its confidence.
+//! Poses and curves must be finite, and a joint that never stretched in training must be rigid to
+//! 1e-4; `sinew_runtime`'s `Envelope::check_pose` checks that in a debug build. The CPU refuses
+//! poses and curves that are not finite. A GPU cannot refuse, and its output for such an instance is
+//! meaningless; other instances are not affected. If the CPU would refuse a kernel's query, the GPU
+//! writes NaN as its confidence.
 //!
 //! Kernels, shapes and filters are bound and encoded in the same way. For a kernel, call
 //! [`Plan::of_kernel`](crate::layout::Plan::of_kernel) with a

@@ -1,11 +1,11 @@
 //! A batch on a device, compared bit by bit with the CPU's results. Both APIs use this code.
 
-use super::{load, parts, poses};
+use super::{Pose, load, parts, poses};
 use models::Rng;
 use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Array, Attribute, Batch, DeviceLimits, Plan, Resource, SkinBatch};
 use sinew_runtime::skin::{self, Output, cells};
-use sinew_runtime::{Envelope, Matrix3x4, Skin, SkinJob};
+use sinew_runtime::{Envelope, Skin, SkinJob};
 
 /// Initial content of buffers: a NaN that no stage computes.
 pub(crate) const POISON: f32 = f32::from_bits(0x7fc0_dead);
@@ -47,12 +47,13 @@ impl Case<'_> {
         let poses = poses(&envelope, instance_len.min(31));
         let poses: Vec<_> = poses.iter().cycle().take(instance_len).collect();
         let mut flat = poisoned(Resource::Poses);
-        for (n, pose) in poses.iter().enumerate() {
-            let pose = pose.as_flattened().as_flattened();
-            flat[batch.poses.offset + n * batch.poses.stride..][..pose.len()].copy_from_slice(pose);
-        }
+        let joints = poses.iter().map(|pose| pose.joints.as_flattened().as_flattened());
+        put(&mut flat, batch.poses, joints);
         change(&mut flat);
         write(&mut *uploaded, Resource::Poses, &flat);
+        let mut flat = poisoned(Resource::Curves);
+        put(&mut flat, batch.curves, poses.iter().map(|pose| &pose.curves[..]));
+        write(&mut *uploaded, Resource::Curves, &flat);
         let mut host = poisoned(Resource::Host);
         if let Some(own) = &batch.skin {
             draw_host(&mut host, &skin, own, batch.instance_len);
@@ -74,6 +75,13 @@ impl Case<'_> {
             differ += differing(&found, expected, resource.name());
         }
         (differ, plan.chunks().len())
+    }
+}
+
+/// Copies each instance's floats to their place; a model may have none.
+fn put<'a>(out: &mut [f32], array: Array, floats: impl Iterator<Item = &'a [f32]>) {
+    for (n, own) in floats.enumerate().filter(|(_, own)| !own.is_empty()) {
+        out[array.offset + n * array.stride..][..own.len()].copy_from_slice(own);
     }
 }
 
@@ -132,14 +140,15 @@ fn evaluate(
     out: &mut [Vec<f32>; 3],
     (envelope, skin): (&Envelope<'_>, &Skin<'_>),
     batch: &Batch,
-    poses: &[&Vec<Matrix3x4>],
+    poses: &[&Pose],
     host: &[f32],
 ) {
     let [out_palettes, out_confidences, out] = out;
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
     for (n, pose) in poses.iter().enumerate() {
-        let confidence = envelope.palette(pose, &mut scratch, &mut palette).unwrap();
+        let Pose { joints, curves } = pose;
+        let confidence = envelope.palette(joints, curves, &mut scratch, &mut palette).unwrap();
         if let Some(array) = batch.confidences {
             out_confidences[array.offset + n * array.stride] = confidence;
         }

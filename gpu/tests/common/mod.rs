@@ -6,14 +6,15 @@ mod case;
 pub(crate) mod kernels;
 
 pub(crate) use case::{Case, POISON, differing};
-pub(crate) use models::{GOLDEN, TURNED};
+pub(crate) use models::{GOLDEN, GOLDEN_STRETCH, TURNED};
 
-use models::{FilterContent, KernelContent, Pieces, Rng};
+use models::{FilterContent, JOINTLESS, KernelContent, Pieces, Rng};
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{
     Array, Attribute, Batch, DeviceLimits, FilterBatch, KernelBatch, Plan, Rest, ShapesBatch,
     SkinBatch,
 };
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
@@ -26,8 +27,20 @@ pub(crate) fn parts<'a>(model: &'a Model<&[u8]>) -> (Envelope<'a>, Skin<'a>) {
     (model.envelope().unwrap(), model.skin().unwrap())
 }
 
+/// Lists the golden models with a skin: of both predictors, with tangent coefficients, and with
+/// joints that stretch.
+pub(crate) fn goldens() -> impl Iterator<Item = &'static [u8]> {
+    GOLDEN.into_iter().chain(TURNED).chain(GOLDEN_STRETCH)
+}
+
+/// A pose of J joints and C curves.
+pub(crate) struct Pose {
+    pub(crate) joints: Vec<Matrix3x4>,
+    pub(crate) curves: Vec<f32>,
+}
+
 /// Draws poses; the first is the rest pose.
-pub(crate) fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Vec<Matrix3x4>> {
+pub(crate) fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Pose> {
     let mut random = Rng(2007);
     let pose = |n: usize| {
         let size = 0.4 * (n % 8) as f32;
@@ -37,11 +50,28 @@ pub(crate) fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Vec<Matrix3x4>
             LocalTransform { rotation: [x, y, z, 1.0], translation }
         });
         let local: Vec<_> = local.collect();
-        let mut pose = vec![[[0.0; 4]; 3]; local.len()];
-        model_space_pose(envelope, &local, &mut pose).unwrap();
-        pose
+        let mut joints = vec![[[0.0; 4]; 3]; local.len()];
+        model_space_pose(envelope, &local, &mut joints).unwrap();
+        if envelope.stretches() {
+            stretch(&mut joints, n, &mut random);
+        }
+        Pose { joints, curves: (0..envelope.curve_len()).map(|_| size * random.unit()).collect() }
     };
     (0..count).map(pose).collect()
+}
+
+/// Scales and shears the joints of the n-th pose; in every eighth pose one joint is scaled to 0.
+fn stretch(joints: &mut [Matrix3x4], n: usize, random: &mut Rng) {
+    let size = 0.05 * (n % 8) as f32;
+    for matrix in &mut *joints {
+        for entry in matrix.iter_mut().flat_map(|row| &mut row[..3]) {
+            *entry += size * random.unit();
+        }
+    }
+    if n % 8 == 5 {
+        let hidden = n % joints.len();
+        joints[hidden] = joints[hidden].map(|[_, _, _, shift]| [0.0, 0.0, 0.0, shift]);
+    }
 }
 
 /// Returns a joint's rest origin relative to its parent's, in model space. The rest frames of the
@@ -61,6 +91,8 @@ pub(crate) fn odd_batch(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: 
     let mut batch = Batch::palettes(envelope, instance_len);
     batch.poses.offset = 13;
     batch.poses.stride += 5;
+    batch.curves.offset = 11;
+    batch.curves.stride += 3;
     batch.palettes.offset = 68;
     batch.palettes.stride += 4;
     batch.confidences = Some(Array { offset: 3, stride: 5 });
@@ -160,27 +192,31 @@ pub(crate) fn filter_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
     (plan, model.blob().to_vec())
 }
 
-/// Evaluates each golden model in several batches: without gaps, with odd offsets and strides,
-/// palettes only, with the host's input, one instance, and some of many.
+/// Evaluates each golden model, and a model without joints, in several batches.
 pub(crate) fn every_batch(device: &dyn Device) {
     println!("on {:?}", device.info());
+    goldens().for_each(|bytes| every_batch_of(device, bytes));
+    every_batch_of(device, &Pieces::sample(Predictor::Kernel, JOINTLESS).bytes());
+}
+
+/// Evaluates a model without gaps, with odd offsets and strides, palettes only, with the host's
+/// input, one instance, and some of many.
+fn every_batch_of(device: &dyn Device, bytes: &[u8]) {
     let limits = &device.limits();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
-        let model = load(bytes);
-        let (envelope, skin) = parts(&model);
-        let runs = [
-            (Batch::skinned(&envelope, &skin, 1), 1),
-            (Batch::skinned(&envelope, &skin, 17), 17),
-            (Batch::palettes(&envelope, 5), 5),
-            (odd_batch(&envelope, &skin, 3), 3),
-            (odd_batch(&envelope, &skin, 129), 129),
-            (odd_batch(&envelope, &skin, 129), 7),
-            (hosted_batch(&envelope, &skin, 9), 9),
-            (hosted_batch(&envelope, &skin, 9), 4),
-            (Batch { confidences: None, ..odd_batch(&envelope, &skin, 4) }, 4),
-        ];
-        for (batch, instance_len) in &runs {
-            Case { bytes, batch, limits, instance_len: *instance_len }.check(device);
-        }
+    let model = load(bytes);
+    let (envelope, skin) = parts(&model);
+    let runs = [
+        (Batch::skinned(&envelope, &skin, 1), 1),
+        (Batch::skinned(&envelope, &skin, 17), 17),
+        (Batch::palettes(&envelope, 5), 5),
+        (odd_batch(&envelope, &skin, 3), 3),
+        (odd_batch(&envelope, &skin, 129), 129),
+        (odd_batch(&envelope, &skin, 129), 7),
+        (hosted_batch(&envelope, &skin, 9), 9),
+        (hosted_batch(&envelope, &skin, 9), 4),
+        (Batch { confidences: None, ..odd_batch(&envelope, &skin, 4) }, 4),
+    ];
+    for (batch, instance_len) in &runs {
+        Case { bytes, batch, limits, instance_len: *instance_len }.check(device);
     }
 }

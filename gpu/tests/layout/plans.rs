@@ -1,7 +1,7 @@
 //! Batches of an envelope and its skin: stages, workgroups, cuts, and the places of arrays in
 //! chunks.
 
-use crate::common::{GOLDEN, hosted_batch, load, parts};
+use crate::common::{GOLDEN, GOLDEN_STRETCH, hosted_batch, load, parts};
 use sinew_gpu::layout::{
     ALIGNMENT, Array, Attribute, Batch, Chunk, DeviceLimits, Plan, Resource, SkinBatch, Span,
     Stage, WORKGROUP,
@@ -32,6 +32,7 @@ pub(super) fn scattered(envelope: &Envelope<'_>, skin: &Skin<'_>, instance_len: 
     Batch {
         instance_len,
         poses: Array { offset: 7, stride: 1061 },
+        curves: Array { offset: 9, stride: envelope.curve_len() + 5 },
         palettes: Array { offset: 132, stride: 12 * envelope.palette_len() + 4 },
         confidences: Some(Array { offset: 3, stride: 2 }),
         skin: Some(skin),
@@ -45,7 +46,7 @@ fn param(chunk: &Chunk, name: &str) -> u64 {
 
 #[test]
 fn stages_follow_the_predictor() {
-    use Stage::{Confidence, Correction, Features, Gradients, Joints, Palette, Skin};
+    use Stage::{Confidence, Correction, Features, Gradients, Joints, Palette, Polar, Skin};
     let stages = |bytes, skinned: bool| {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
@@ -59,6 +60,9 @@ fn stages_follow_the_predictor() {
     assert_eq!(stages(ROTATIONAL, true), [Gradients, Palette, Skin, Confidence]);
     assert_eq!(stages(KERNEL, true), [Joints, Features, Correction, Skin, Confidence]);
     assert_eq!(stages(KERNEL, false), [Joints, Features, Correction]);
+    let [rotational, kernel] = GOLDEN_STRETCH;
+    assert_eq!(stages(rotational, true), [Polar, Gradients, Palette, Skin, Confidence]);
+    assert_eq!(stages(kernel, false), [Polar, Joints, Features, Correction]);
 }
 
 #[test]
@@ -73,7 +77,7 @@ fn stages_bind_four_storage_buffers_at_most() {
 /// In a chunk's binding, each word of each instance is at its place in the whole buffer.
 #[test]
 fn chunks_keep_the_places_of_the_whole_batch() {
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let blob_bytes = model.blob().len() as u64;
@@ -114,9 +118,11 @@ fn check_chunk(
     let skin = batch.skin.as_ref().expect("it skins");
     let scratch = ScratchLayout::at_once(envelope).len;
     let (v, rest) = (own.vertex_len(), skin.rest);
+    let curves = Some(batch.curves).filter(|_| envelope.curve_len() > 0);
     let arrays = [
         (Resource::Scratch, "scratch", Some(Array { offset: 0, stride: scratch }), scratch),
         (Resource::Poses, "poses", Some(batch.poses), 12 * envelope.joint_len()),
+        (Resource::Curves, "curves", curves, envelope.curve_len()),
         (Resource::Palettes, "palettes", Some(batch.palettes), 12 * envelope.palette_len()),
         (Resource::Confidences, "confidences", batch.confidences, 1),
         (Resource::Host, "host_remap", skin.remap, skin.vertices.end),
@@ -218,7 +224,7 @@ fn params_hold_the_blocks_of_all_chunks() {
 
 #[test]
 fn every_instance_has_workgroups_of_its_own() {
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         for instance_len in [1, 3, 65_535, 65_536, 400_001] {
@@ -237,10 +243,11 @@ fn every_instance_has_workgroups_of_its_own() {
                 let here = chunk.instances.len();
                 assert!(here <= 65_535);
                 for (stage, x) in [
+                    (Stage::Polar, threads(envelope.joint_len())),
                     (Stage::Gradients, 1),
                     (Stage::Palette, threads(envelope.proxy_len())),
                     (Stage::Joints, threads(envelope.palette_len())),
-                    (Stage::Features, threads(envelope.joint_len())),
+                    (Stage::Features, threads(envelope.joint_len().max(envelope.curve_len()))),
                     (Stage::Correction, envelope.group_len() as u32),
                     (Stage::Skin, 3),
                     (Stage::Confidence, 1),

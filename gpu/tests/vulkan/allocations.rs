@@ -1,7 +1,7 @@
 //! Recording allocates nothing on the host's heap.
 
 use crate::allocator::allocated;
-use crate::common::{GOLDEN, load, odd_batch, parts};
+use crate::common::{GOLDEN, GOLDEN_STRETCH, load, odd_batch, parts};
 use crate::vulkan::opened;
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{DeviceLimits, Plan};
@@ -11,7 +11,7 @@ use sinew_gpu::vulkan::headless::{Commands, Device};
 fn recording_allocates_nothing() {
     // Without the validation layer, which allocates.
     let device = opened(Device::of_driver("llvmpipe", false));
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let batch = odd_batch(&envelope, &skin, 40);

@@ -1,6 +1,6 @@
 //! The validation layer confirms that the barriers are needed, and that they are enough.
 
-use crate::common::{GOLDEN, hosted_batch, load, parts};
+use crate::common::{GOLDEN, GOLDEN_STRETCH, hosted_batch, load, parts};
 use crate::vulkan::{assert_silent, lavapipe};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, Plan, Stage};
@@ -33,6 +33,7 @@ fn each_stage_that_reads_another_is_reported_without_its_barrier() {
         (GOLDEN[1], Stage::Joints, Stage::Skin),
         (GOLDEN[1], Stage::Correction, Stage::Confidence),
         (GOLDEN[1], Stage::Correction, Stage::Skin),
+        (GOLDEN_STRETCH[0], Stage::Polar, Stage::Confidence),
     ] {
         let device = lavapipe();
         record(&device, bytes, &[first, second], Some(1));

@@ -1,7 +1,7 @@
 //! Outputs have the CPU's bits, and no other float changes.
 
 use crate::common::{
-    self, Case, GOLDEN, POISON, TURNED, differing, hosted_batch, kernels, load, odd_batch, parts,
+    self, Case, GOLDEN, POISON, differing, goldens, hosted_batch, kernels, load, odd_batch, parts,
 };
 use crate::vulkan::{assert_silent, lavapipe, swiftshader};
 use sinew_gpu::headless::Device as _;
@@ -27,7 +27,7 @@ fn swiftshader_has_the_cpus_bits() {
 #[test]
 fn a_batch_cut_into_chunks_has_the_same_bits() {
     let device = lavapipe();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
+    for bytes in goldens() {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let limits = &DeviceLimits { storage_binding_bytes: 12 << 10, ..device.limits() };
@@ -47,7 +47,7 @@ fn a_batch_cut_into_chunks_has_the_same_bits() {
 #[test]
 fn past_65535_workgroups_nothing_else_is_written() {
     let device = lavapipe();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
+    for bytes in goldens() {
         common::past_65535_workgroups(&device, bytes);
     }
     assert_silent(&device);

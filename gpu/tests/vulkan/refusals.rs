@@ -1,7 +1,8 @@
 //! Each mistake has its error, found before anything is written or recorded.
 
 use crate::common::{
-    GOLDEN, filter_plan, hosted_batch, kernel_plan, load, parts, remapped_batch, shapes_plan,
+    GOLDEN, GOLDEN_STRETCH, filter_plan, hosted_batch, kernel_plan, load, parts, remapped_batch,
+    shapes_plan,
 };
 use crate::vulkan::fake;
 use ash::vk::{self, Handle};
@@ -39,8 +40,8 @@ fn planned(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>, usize) -> Batc
 /// Plans of every kind of batch; together they need every resource.
 fn plans() -> [Plan; 4] {
     let of = |plan: fn(&DeviceLimits) -> (Plan, Vec<u8>)| plan(&DeviceLimits::DOWNLEVEL).0;
-    let plans =
-        [planned(GOLDEN[0], remapped_batch), of(kernel_plan), of(shapes_plan), of(filter_plan)];
+    let envelope = planned(GOLDEN_STRETCH[1], remapped_batch);
+    let plans = [envelope, of(kernel_plan), of(shapes_plan), of(filter_plan)];
     assert!(Resource::ALL.into_iter().all(|own| plans.iter().any(|plan| plan.bytes(own) > 0)));
     plans
 }
@@ -198,7 +199,12 @@ fn barriers_stand_only_before_stages_that_read_earlier_writes() {
     let rotational = vec![true, true, true, false];
     // Joints and features; correction, which changes palettes; skin and confidence.
     let kernel = vec![true, false, true, true, false];
-    for (bytes, guarded) in GOLDEN.into_iter().zip([rotational, kernel]) {
+    // Polar comes first; gradients or features read its results.
+    let stretching =
+        [vec![true, true, true, true, false], vec![true, false, true, true, true, false]];
+    let stretching = GOLDEN_STRETCH.into_iter().zip(stretching);
+    let all = GOLDEN.into_iter().zip([rotational, kernel]).chain(stretching);
+    for (bytes, guarded) in all {
         for batch in [Batch::skinned as Of, hosted_batch as Of, positions as Of] {
             let plan = planned(bytes, batch);
             let stages: Vec<_> = plan.stages().collect();
@@ -249,11 +255,11 @@ fn requirements_are_those_of_the_plan() {
     let plan = plan();
     // Gradients, palette, skin, confidence.
     let [uniform, storage] = pool_sizes(&plan).map(|size| size.descriptor_count);
-    assert_eq!((set_len(&plan), uniform, storage), (4, 4, 3 + 4 + 4 + 3));
+    assert_eq!((set_len(&plan), uniform, storage), (4, 4, 3 + 4 + 4 + 4));
     let plan = chunked();
     let chunks = plan.chunks().len() as u32;
     let [uniform, storage] = pool_sizes(&plan).map(|size| size.descriptor_count);
-    assert_eq!((set_len(&plan), uniform, storage), (4 * chunks, 4 * chunks, 14 * chunks));
+    assert_eq!((set_len(&plan), uniform, storage), (4 * chunks, 4 * chunks, 15 * chunks));
     // Flags implement `Debug` only with a feature of ash.
     assert!(usage(Resource::Params) == vk::BufferUsageFlags::UNIFORM_BUFFER);
     assert!(usage(Resource::Scratch) == vk::BufferUsageFlags::STORAGE_BUFFER);

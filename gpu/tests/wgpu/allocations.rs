@@ -1,7 +1,7 @@
 //! Recording a frame makes exactly the allocations that wgpu makes for the same calls.
 
 use crate::allocator::allocated;
-use crate::common::{GOLDEN, load, parts};
+use crate::common::{GOLDEN, GOLDEN_STRETCH, load, parts};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
@@ -75,7 +75,7 @@ impl Raw {
 fn a_frame_allocates_no_more_than_wgpu_does() {
     let device = Device::of_driver("llvmpipe", false)
         .unwrap_or_else(|error| panic!("{error}; install mesa-vulkan-drivers"));
-    for bytes in GOLDEN {
+    for bytes in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let batch = Batch::skinned(&envelope, &skin, INSTANCES);

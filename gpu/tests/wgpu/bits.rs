@@ -1,6 +1,6 @@
 //! The stages on wgpu, end to end, compared with the CPU's bits.
 
-use crate::common::{self, Case, GOLDEN, TURNED, kernels, load, odd_batch, parts};
+use crate::common::{self, Case, GOLDEN, goldens, kernels, load, odd_batch, parts};
 use crate::wgpu::lavapipe;
 use sinew_gpu::headless::{Device as _, HeadlessError};
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
@@ -14,7 +14,7 @@ fn lavapipe_has_the_cpus_bits() {
 #[test]
 fn a_batch_in_chunks_has_the_same_bits() {
     let device = lavapipe();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
+    for bytes in goldens() {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let instances = 60;
@@ -34,7 +34,7 @@ fn a_batch_in_chunks_has_the_same_bits() {
 #[test]
 fn past_65535_workgroups_nothing_else_is_written() {
     let device = lavapipe();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
+    for bytes in goldens() {
         common::past_65535_workgroups(&device, bytes);
     }
 }
@@ -42,7 +42,7 @@ fn past_65535_workgroups_nothing_else_is_written() {
 #[test]
 fn a_changed_pose_is_counted() {
     let device = lavapipe();
-    for bytes in GOLDEN.into_iter().chain(TURNED) {
+    for bytes in goldens() {
         let model = load(bytes);
         let (envelope, skin) = parts(&model);
         let batch = &Batch::skinned(&envelope, &skin, 3);

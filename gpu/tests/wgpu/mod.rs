@@ -4,7 +4,9 @@ mod allocations;
 mod bits;
 mod refusals;
 
-use crate::common::{GOLDEN, filter_plan, kernel_plan, load, parts, remapped_batch, shapes_plan};
+use crate::common::{
+    GOLDEN_STRETCH, filter_plan, kernel_plan, load, parts, remapped_batch, shapes_plan,
+};
 use sinew_gpu::headless::Device as _;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
@@ -50,7 +52,7 @@ fn scene(bytes: &[u8], batch: impl Fn(&Envelope<'_>, &Skin<'_>) -> Batch) -> Sce
 /// Scenes of every kind of batch; together they need every resource.
 fn scenes() -> [Scene; 4] {
     let scenes = [
-        scene(GOLDEN[1], whole),
+        scene(GOLDEN_STRETCH[1], whole),
         scene_of(kernel_plan),
         scene_of(shapes_plan),
         scene_of(filter_plan),

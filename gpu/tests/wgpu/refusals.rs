@@ -74,9 +74,10 @@ fn without_usage(scene: &Scene) {
 
 #[test]
 fn what_is_not_needed_may_be_left_out_or_wrong() {
+    use Resource::{Confidences, Curves, Host, Out, Queries};
     let scene = scene(GOLDEN[1], palettes);
     let wrong = scene.make(4, BufferUsages::VERTEX);
-    for resource in [Resource::Queries, Resource::Confidences, Resource::Host, Resource::Out] {
+    for resource in [Curves, Queries, Confidences, Host, Out] {
         assert!(!scene.needs(resource));
         let buffers = scene.buffers().with(resource, &wrong, 3);
         let bound = Bound::new(&scene.pipelines, &scene.plan, &buffers).unwrap();

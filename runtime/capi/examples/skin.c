@@ -17,6 +17,7 @@ typedef struct {
     sinew_skin_info mesh;
     sinew_local_transform *rest;
     sinew_local_transform *local;
+    float *curves;
     sinew_matrix *pose;
     sinew_matrix *palette;
     float *scratch;
@@ -79,7 +80,8 @@ static float next(uint64_t *state)
     return (float)((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/* Replaces an animation system: applies slight, usual and wild rotations to the rest pose. */
+/* Replaces an animation system: applies slight, usual and wild rotations to the rest pose, and moves
+ * the curves as far. */
 static void animate(character *c, unsigned frame, uint64_t *state)
 {
     static const float turns[4] = {0.01f, 0.3f, 1.0f, 8.0f};
@@ -91,9 +93,12 @@ static void animate(character *c, unsigned frame, uint64_t *state)
             local->rotation[i] += next(state) * turn;
         }
     }
+    for (size_t curve = 0; curve < c->info.curve_len; curve++) {
+        c->curves[curve] = next(state) * turn;
+    }
 }
 
-/* Computes a frame: vertices, bounds and confidence from local transforms. */
+/* Computes a frame: vertices, bounds and confidence from local transforms and curves. */
 static void frame(character *c, sinew_bounds *bounds, float *confidence)
 {
     sinew_error error;
@@ -113,8 +118,9 @@ static void frame(character *c, sinew_bounds *bounds, float *confidence)
     check(sinew_envelope_pose(c->envelope, c->local, info->joint_len, c->pose, info->joint_len,
                               &error),
           &error);
-    check(sinew_envelope_palette(c->envelope, c->pose, info->joint_len, c->scratch,
-                                 info->scratch_len, c->palette, palette_len, confidence, &error),
+    check(sinew_envelope_palette(c->envelope, c->pose, info->joint_len, c->curves, info->curve_len,
+                                 c->scratch, info->scratch_len, c->palette, palette_len, confidence,
+                                 &error),
           &error);
     check(sinew_skin_run(&job, &error), &error);
     check(sinew_skin_bounds(c->skin, c->palette, palette_len, 0.0f, bounds, &error), &error);
@@ -170,6 +176,7 @@ int main(int argc, char **argv)
     c.vertices_len = c.mesh.vertex_len * c.stride;
     c.local = allocate(c.info.joint_len, sizeof *c.local);
     c.rest = allocate(c.info.joint_len, sizeof *c.rest);
+    c.curves = allocate(c.info.curve_len, sizeof *c.curves);
     c.pose = allocate(c.info.joint_len, sizeof *c.pose);
     c.palette = allocate(c.info.palette_len, sizeof *c.palette);
     c.scratch = allocate(c.info.scratch_len, sizeof *c.scratch);
@@ -199,6 +206,7 @@ int main(int argc, char **argv)
     free(c.scratch);
     free(c.palette);
     free(c.pose);
+    free(c.curves);
     free(c.rest);
     free(c.local);
     free(file);

@@ -30,15 +30,19 @@ float next(std::uint64_t &state)
     return float((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/// Replaces an animation system: applies slight, usual and wild rotations to the rest pose.
+/// Replaces an animation system: applies slight, usual and wild rotations to the rest pose, and moves the curves as far.
 std::vector<sinew_local_transform> animate(std::vector<sinew_local_transform> rest,
-                                           unsigned long frame, std::uint64_t &state)
+                                           std::vector<float> &curves, unsigned long frame,
+                                           std::uint64_t &state)
 {
     const float turn = std::array{0.01f, 0.3f, 1.0f, 8.0f}[frame % 4];
     for (sinew_local_transform &joint : rest) {
         for (int i = 0; i < 3; i++) {
             joint.rotation[i] += next(state) * turn;
         }
+    }
+    for (float &curve : curves) {
+        curve = next(state) * turn;
     }
     return rest;
 }
@@ -80,7 +84,7 @@ int main(int argc, char **argv)
     const std::size_t stride = skin.info().has_tangents ? 10 : 6;
     std::vector<sinew_local_transform> rest;
     check(envelope.rest_locals(rest));
-    std::vector<float> vertices(vertex_len * stride);
+    std::vector<float> vertices(vertex_len * stride), curves(envelope.info().curve_len);
     sinew::Character character(envelope);
     sinew_skin_job job{};
     job.end = vertex_len;
@@ -94,7 +98,8 @@ int main(int argc, char **argv)
     float least = 1.0f;
     std::uint64_t state = 2007, bits = 0xcbf29ce484222325;
     for (unsigned long i = 0; i < poses; i++) {
-        check(character.pose(animate(rest, i, state)));
+        const std::vector<sinew_local_transform> local = animate(rest, curves, i, state);
+        check(character.pose(local, curves));
         check(skin.run(job, character.palette()));
         check(skin.bounds(character.palette(), bounds));
         const float confidence = character.confidence();

@@ -35,7 +35,7 @@
 /// Version of the ABI that this header describes. `sinew_abi_version` returns the library's version.
 ///
 /// The version grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 9
+#define SINEW_ABI_VERSION 10
 
 /// Sentinel for "no part".
 #define SINEW_NO_PART UINT32_MAX
@@ -93,9 +93,9 @@ enum sinew_status
     SINEW_STATUS_LENGTH = 1,
     /// An array is too short. Expected: the minimum length; found: the array's length.
     SINEW_STATUS_TOO_SHORT = 2,
-    /// A transform of a joint or a number of a query is not finite. Index: the joint, counted through all
-    /// poses of a batch, or the number. For outputs, derivatives and variances: the result would not be
-    /// finite, because the query is too far from the centres.
+    /// A transform of a joint, a curve or a number of a query is not finite. Index: the joint or the curve,
+    /// counted through all poses of a batch, or the number. For outputs, derivatives and variances: the
+    /// result would not be finite, because the query is too far from the centres.
     SINEW_STATUS_NON_FINITE = 3,
     /// A quaternion has no direction: it is zero, or its square underflows or overflows. Index: the joint
     /// or the input.
@@ -118,6 +118,8 @@ enum sinew_status
     SINEW_STATUS_OTHER_NAME = 11,
     /// The skeleton has only the root of several joints. Expected, found: numbers of joints.
     SINEW_STATUS_NO_JOINTS = 12,
+    /// The caller's names lack a curve of the file. Index: the curve.
+    SINEW_STATUS_NO_CURVE = 13,
     /// A pointer is null.
     SINEW_STATUS_NULL = 50,
     /// A pointer is not aligned for its type. Expected: the alignment in bytes; found: the remainder in
@@ -269,7 +271,7 @@ enum sinew_argument
     SINEW_ARGUMENT_DEPTHS = 29,
     /// Samples of signals.
     SINEW_ARGUMENT_SAMPLES = 30,
-    /// Names of the joints of the caller's skeleton.
+    /// Names of the joints of the caller's skeleton, or of the caller's curves.
     SINEW_ARGUMENT_NAMES = 31,
     /// Map from the file's joints to those of the caller's skeleton, or the joints' parents.
     SINEW_ARGUMENT_JOINTS = 32,
@@ -283,6 +285,12 @@ enum sinew_argument
     SINEW_ARGUMENT_CLIPS = 36,
     /// Scratch for layers that are drawn separately, in pixels.
     SINEW_ARGUMENT_GROUP = 37,
+    /// Values of the curves, or the map from the file's curves to the caller's.
+    SINEW_ARGUMENT_CURVES = 38,
+    /// Intermediate result: rotations of joints that stretch. No function of this library takes it.
+    SINEW_ARGUMENT_TURNS = 39,
+    /// Intermediate result: strains of joints that stretch. No function of this library takes it.
+    SINEW_ARGUMENT_STRAINS = 40,
     /// Memory for an object; lengths are in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths are in bytes.
@@ -331,6 +339,8 @@ enum sinew_argument
     SINEW_ARGUMENT_FILTER = 72,
     /// A level of evaluation.
     SINEW_ARGUMENT_LEVEL = 73,
+    /// Index of a curve.
+    SINEW_ARGUMENT_CURVE = 74,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -421,7 +431,7 @@ enum sinew_pose_fault_kind
     SINEW_POSE_FAULT_KIND_MIRRORED = 3,
     /// A matrix scales by `factor` along all axes.
     SINEW_POSE_FAULT_KIND_SCALED = 4,
-    /// A matrix scales along axes by different factors, or shears.
+    /// A matrix scales along axes by different factors, or shears, and further than in training.
     SINEW_POSE_FAULT_KIND_STRETCHED = 5,
     /// The matrices' rotations are transposed, and their translations may be lost.
     SINEW_POSE_FAULT_KIND_TRANSPOSED = 6,
@@ -441,6 +451,10 @@ enum sinew_pose_fault_kind
     SINEW_POSE_FAULT_KIND_BOUND_TWICE = 13,
     /// Each matrix, or each gathered frame, is relative to the joint's parent.
     SINEW_POSE_FAULT_KIND_LOCAL = 14,
+    /// A joint is hidden: its matrix is scaled to 0. Kernel maps take the joint as at rest.
+    SINEW_POSE_FAULT_KIND_HIDDEN = 15,
+    /// A curve is not finite, or far beyond its values in training.
+    SINEW_POSE_FAULT_KIND_CURVE = 17,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -471,7 +485,7 @@ typedef uint32_t sinew_level;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-/// Predicts a palette of transforms from the J joints of a pose.
+/// Predicts a palette of transforms from the J joints and C curves of a pose.
 ///
 /// The envelope points to its model. Every call refuses the envelope once the model was cleared or has
 /// loaded another file.
@@ -532,6 +546,8 @@ typedef struct sinew_limits {
     uint32_t influences;
     /// Shapes of a skin.
     uint32_t shapes;
+    /// Curves of an envelope.
+    uint32_t curves;
 } sinew_limits;
 
 /// Why a call failed, in numbers. A call writes the error only if its status is not `SINEW_STATUS_OK`.
@@ -613,16 +629,20 @@ typedef struct sinew_envelope_info {
     sinew_predictor predictor;
     /// J, the number of joints: skinning matrices of a pose.
     size_t joint_len;
+    /// C, the number of curves: floats of a pose; 0 for a rotational envelope.
+    size_t curve_len;
     /// P, the number of proxies or helpers.
     size_t proxy_len;
     /// Number of transforms of the palette.
     size_t palette_len;
     /// Floats of scratch that `sinew_envelope_palette` needs.
     size_t scratch_len;
-    /// Index of the joint without a parent.
+    /// Index of the joint without a parent; 0 if there is no joint.
     uint32_t root;
     /// Hash of names and parents, as `sinew_skeleton_hash` computes it.
     uint32_t skeleton_hash;
+    /// 1 if a joint stretches, otherwise 0.
+    uint32_t stretches;
     /// Measured errors of the fit.
     struct sinew_certificate certificate;
 } sinew_envelope_info;
@@ -654,11 +674,26 @@ typedef struct sinew_joint {
     float pose_range;
     /// Largest distance in training between the joint's origin and the place where its parent carries it.
     float pose_gap;
+    /// Largest strain in training: the norm of `(L^T L - I) / 2`, where L is the 3x3 of the joint's matrix.
+    /// It is 0 if the joint does not stretch.
+    float stretch_range;
     /// Inverse bind matrix: model space to the joint's rest frame.
     struct sinew_matrix inverse_bind;
     /// Rest frame relative to the parent; for the root, in model space.
     struct sinew_local_transform rest_local;
 } sinew_joint;
+
+/// A curve of an envelope: a number of the animation, for example a slider of the rig. At rest a curve is 0.
+typedef struct sinew_curve {
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
+    const char *name;
+    /// Length of the name in bytes.
+    size_t name_len;
+    /// Smallest value in training.
+    float min;
+    /// Largest value in training.
+    float max;
+} sinew_curve;
 
 /// A name of the caller.
 typedef struct sinew_name {
@@ -680,11 +715,12 @@ typedef struct sinew_bound_joints {
 typedef struct sinew_pose_fault {
     /// Likely mistake. If there is none, all other fields are 0.
     sinew_pose_fault_kind kind;
-    /// Index of the joint that shows the mistake.
+    /// Index of the joint or curve that shows the mistake.
     uint32_t joint;
     /// For a scale, its size. For units, the factor for the pose's lengths; 1 if the unit is right.
     float factor;
-    /// Deviation of the joint: from a rotation, or from the place where its parent carries it.
+    /// Deviation of the joint: from a rotation, or from the place where its parent carries it. For a curve,
+    /// its value.
     float found;
     /// Largest deviation that is allowed.
     float allowed;
@@ -1292,6 +1328,14 @@ sinew_status sinew_envelope_joint(const struct sinew_envelope *envelope,
                                   struct sinew_joint *out_joint,
                                   struct sinew_error *out_error);
 
+/// Describes a curve.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+sinew_status sinew_envelope_curve(const struct sinew_envelope *envelope,
+                                  size_t curve,
+                                  struct sinew_curve *out_curve,
+                                  struct sinew_error *out_error);
+
 /// Copies the indices of the J joints, each after its parent.
 ///
 /// - `out_order`, `order_len`: room for J indices.
@@ -1319,20 +1363,25 @@ sinew_status sinew_envelope_pose(const struct sinew_envelope *envelope,
 
 /// Computes the palette of a pose and its confidence.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space. They must be rigid to 1e-4,
-///   which this call does not check; in debug builds use `sinew_envelope_check_pose`.
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space. The matrix of a joint whose
+///   `sinew_joint.stretch_range` is 0 must be rigid to 1e-4. This call does not check the matrices; in debug
+///   builds use `sinew_envelope_check_pose`.
+/// - `curves`, `curves_len`: C values, in the order of `sinew_envelope_curve` and in the unit of training. A
+///   model without curves takes null and 0.
 /// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats with any content, one
 ///   array per thread. The content after the call has no meaning.
 /// - `out_palette`, `palette_len`: receives `sinew_envelope_info.palette_len` transforms, rest to posed, in
 ///   model space. They are for `sinew_skin_run`, or with `sinew_skin_influences` for a shader.
 /// - `out_confidence`: null, or receives the confidence: 1 inside the trained range, falling to 0 far
-///   outside.
+///   outside. A joint that is scaled to 0 or mirrored gives 0.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
 /// `OVERLAP`.
 sinew_status sinew_envelope_palette(const struct sinew_envelope *envelope,
                                     const struct sinew_matrix *pose,
                                     size_t pose_len,
+                                    const float *curves,
+                                    size_t curves_len,
                                     float *scratch,
                                     size_t scratch_len,
                                     struct sinew_matrix *out_palette,
@@ -1351,6 +1400,8 @@ sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
                                        uint32_t level,
                                        const struct sinew_matrix *pose,
                                        size_t pose_len,
+                                       const float *curves,
+                                       size_t curves_len,
                                        float *scratch,
                                        size_t scratch_len,
                                        struct sinew_matrix *out_palette,
@@ -1362,7 +1413,7 @@ sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
 /// trained range. The result shows which part of the skin the confidence of `sinew_envelope_palette` is
 /// about. A rotational envelope has no such confidences: `NO_STAGE`.
 ///
-/// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
+/// - `pose`, `pose_len`, `curves`, `curves_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
 /// - `out_confidences`, `confidences_len`: receives J values in [0, 1]. If no map moves a joint's skin,
 ///   only the trained range counts. An envelope without maps gives 1.
 ///
@@ -1371,6 +1422,8 @@ sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
 sinew_status sinew_envelope_joint_confidences(const struct sinew_envelope *envelope,
                                               const struct sinew_matrix *pose,
                                               size_t pose_len,
+                                              const float *curves,
+                                              size_t curves_len,
                                               float *scratch,
                                               size_t scratch_len,
                                               float *out_confidences,
@@ -1380,6 +1433,7 @@ sinew_status sinew_envelope_joint_confidences(const struct sinew_envelope *envel
 /// Computes the palettes of a batch of poses. Each palette has the bits of `sinew_envelope_palette`.
 ///
 /// - `poses`, `poses_len`: J skinning matrices per pose, one pose after another.
+/// - `curves`, `curves_len`: C values per pose.
 /// - `scratch`, `scratch_len`: as for one pose.
 /// - `out_palettes`, `palettes_len`: receives `sinew_envelope_info.palette_len` transforms per pose.
 /// - `out_confidences`, `confidences_len`: receives one confidence per pose. Their number sets the number
@@ -1390,6 +1444,8 @@ sinew_status sinew_envelope_joint_confidences(const struct sinew_envelope *envel
 sinew_status sinew_envelope_palettes(const struct sinew_envelope *envelope,
                                      const struct sinew_matrix *poses,
                                      size_t poses_len,
+                                     const float *curves,
+                                     size_t curves_len,
                                      float *scratch,
                                      size_t scratch_len,
                                      struct sinew_matrix *out_palettes,
@@ -1398,9 +1454,9 @@ sinew_status sinew_envelope_palettes(const struct sinew_envelope *envelope,
                                      size_t confidences_len,
                                      struct sinew_error *out_error);
 
-/// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope; other
-/// envelopes give `NO_STAGE`. A program that calls only this function links no kernel maps: on a Cortex-M4F
-/// this saves 5 kB if optimised for size, 9 kB if for speed.
+/// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope, which has no
+/// curves; other envelopes give `NO_STAGE`. A program that calls only this function links no kernel maps:
+/// on a Cortex-M4F this saves 5 kB if optimised for size, 9 kB if for speed.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -1445,6 +1501,21 @@ sinew_status sinew_envelope_bind(const struct sinew_envelope *envelope,
                                  struct sinew_bound_joints *out_bound,
                                  struct sinew_error *out_error);
 
+/// Finds the file's curves among the caller's by name. Names must be equal. The curves of a pose are
+/// `curves[c] = values[out_map[c]]`.
+///
+/// - `names`, `names_len`: names of the caller's curves, in the order of `values`. The first of equal names
+///   counts.
+/// - `out_map`, `map_len`: receives, for each of the C curves, the index of the caller's curve.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NO_CURVE`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_bind_curves(const struct sinew_envelope *envelope,
+                                        const struct sinew_name *names,
+                                        size_t names_len,
+                                        uint32_t *out_map,
+                                        size_t map_len,
+                                        struct sinew_error *out_error);
+
 /// Gathers the J skinning matrices of a pose from the frames of the caller's skeleton, after its hierarchy
 /// pass. Matrix j is `root * world[map[j]] * inverse_bind_j`. A folded joint has its parent's matrix.
 ///
@@ -1466,18 +1537,21 @@ sinew_status sinew_envelope_gather(const struct sinew_envelope *envelope,
                                    struct sinew_error *out_error);
 
 /// Checks, for debug builds, that a pose fits the skeleton. Each matrix must be a rotation and a
-/// translation. Each joint must be where its parent carries it, within the distances seen in training. A
-/// pose that does not fit is not an error of the call; `out_fault` names the likely mistake.
+/// translation, but a joint may stretch twice as far as in training. Each joint must be where its parent
+/// carries it, within twice the distances seen in training. A curve may be ten times as large as in
+/// training. A pose that does not fit is not an error of the call; `out_fault` names the likely mistake.
 ///
 /// A pose that fits takes a few microseconds; finding the mistake takes milliseconds.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space.
+/// - `pose`, `pose_len`, `curves`, `curves_len`: as for `sinew_envelope_palette`.
 /// - `out_fault`: receives the likely mistake, or `SINEW_POSE_FAULT_KIND_NONE`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_LONG`, `OVERLAP`.
 sinew_status sinew_envelope_check_pose(const struct sinew_envelope *envelope,
                                        const struct sinew_matrix *pose,
                                        size_t pose_len,
+                                       const float *curves,
+                                       size_t curves_len,
                                        struct sinew_pose_fault *out_fault,
                                        struct sinew_error *out_error);
 
@@ -1485,11 +1559,12 @@ sinew_status sinew_envelope_check_pose(const struct sinew_envelope *envelope,
 /// mistake". The pointer is never null and stays valid.
 const char *sinew_pose_fault_text(uint32_t kind);
 
-/// Removes the scale that all joints of a pose share, for example that of a scaled actor; the pose is then
-/// rigid. `sinew_palette_scale` applies the scale to the palette.
+/// Removes the scale that all joints of a pose share, for example that of a scaled actor.
+/// `sinew_palette_scale` applies the scale to the palette.
 ///
-/// The scale is read from the first joint. An empty pose, or a scale within 4e-6 of 1, gives 1 and leaves
-/// the pose unchanged.
+/// The scale is read from the first joint, and must be uniform: the columns of that joint's 3x3 are equally
+/// long and at right angles, within 2e-3 of the squared length. Otherwise, and for an empty pose or a scale
+/// within 4e-6 of 1, the result is 1 and the pose stays unchanged.
 ///
 /// - `pose`, `pose_len`: skinning matrices; they are changed.
 /// - `out_scale`: receives the scale.

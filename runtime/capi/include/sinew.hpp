@@ -152,6 +152,22 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
         return failure;
     }
 
+    /// Describes a curve. Its name is in the model's file.
+    Failure curve(std::size_t index, sinew_curve &out) const {
+        Failure failure;
+        failure.status = sinew_envelope_curve(get(), index, &out, &failure.error);
+        return failure;
+    }
+
+    /// Finds the file's curves among the caller's by name: `curves[c] = values[out_map[c]]`.
+    Failure bind_curves(Span<const sinew_name> names, std::vector<std::uint32_t> &out_map) const {
+        Failure failure;
+        out_map.resize(info().curve_len);
+        failure.status = sinew_envelope_bind_curves(get(), names.data, names.len, out_map.data(),
+                                                    out_map.size(), &failure.error);
+        return failure;
+    }
+
     /// Gathers the skinning matrices of a pose from a skeleton's frames; `root` may be null.
     Failure gather(Span<const std::uint32_t> map, Span<const sinew_matrix> world,
                    const sinew_matrix *root, std::vector<sinew_matrix> &out_pose) const {
@@ -164,10 +180,11 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
     }
 
     /// Checks that a pose fits the skeleton. `out` receives the likely mistake, which is not a failure.
-    Failure check_pose(Span<const sinew_matrix> pose, sinew_pose_fault &out) const {
+    Failure check_pose(Span<const sinew_matrix> pose, sinew_pose_fault &out,
+                       Span<const float> curves = {}) const {
         Failure failure;
-        failure.status =
-            sinew_envelope_check_pose(get(), pose.data, pose.len, &out, &failure.error);
+        failure.status = sinew_envelope_check_pose(get(), pose.data, pose.len, curves.data,
+                                                   curves.len, &out, &failure.error);
         return failure;
     }
 };
@@ -329,6 +346,8 @@ class Views : public Part<sinew_views, sinew_views_info, SINEW_VIEWS_WORDS> {
 
 /// One character: scratch, palette and confidence. For one thread at a time. Points to the envelope, which must stay in
 /// place. After the envelope is opened again, make a new character.
+///
+/// A pose has `info().curve_len` curves; a model without curves needs none.
 class Character {
   public:
     explicit Character(const Envelope &&) = delete;
@@ -337,31 +356,33 @@ class Character {
           pose_(envelope.info().joint_len), palette_(envelope.info().palette_len) {}
 
     /// Computes the palette of local transforms.
-    Failure pose(Span<const sinew_local_transform> local) {
+    Failure pose(Span<const sinew_local_transform> local, Span<const float> curves = {}) {
         Failure failure;
         failure.status = sinew_envelope_pose(envelope_->get(), local.data, local.len, pose_.data(),
                                              pose_.size(), &failure.error);
-        return failure ? failure : pose_matrices(pose_);
+        return failure ? failure : pose_matrices(pose_, curves);
     }
 
     /// Computes the palette of skinning matrices: rest to posed, in model space.
-    Failure pose_matrices(Span<const sinew_matrix> pose, sinew_level level = SINEW_LEVEL_FULL) {
+    Failure pose_matrices(Span<const sinew_matrix> pose, Span<const float> curves = {},
+                          sinew_level level = SINEW_LEVEL_FULL) {
         Failure failure;
         failure.status = sinew_envelope_palette_at(
-            envelope_->get(), level, pose.data, pose.len, scratch_.data(), scratch_.size(),
-            palette_.data(), palette_.size(), &confidence_, &failure.error);
+            envelope_->get(), level, pose.data, pose.len, curves.data, curves.len, scratch_.data(),
+            scratch_.size(), palette_.data(), palette_.size(), &confidence_, &failure.error);
         return failure;
     }
 
     /// Computes the palette of a pose whose joints share one scale, for example that of a scaled actor.
-    Failure pose_scaled(Span<const sinew_matrix> pose, sinew_level level = SINEW_LEVEL_FULL) {
+    Failure pose_scaled(Span<const sinew_matrix> pose, Span<const float> curves = {},
+                        sinew_level level = SINEW_LEVEL_FULL) {
         Failure failure;
         float scale;
         pose_.assign(pose.data, pose.data + pose.len);
         failure.status =
             sinew_pose_take_scale(pose_.data(), pose_.size(), &scale, &failure.error);
         if (!failure) {
-            failure = pose_matrices(pose_, level);
+            failure = pose_matrices(pose_, curves, level);
         }
         if (!failure) {
             failure.status =
@@ -372,12 +393,13 @@ class Character {
 
     /// Computes the confidence of each joint in a pose of skinning matrices, from the maps of its skin and its trained
     /// range.
-    Failure joint_confidences(Span<const sinew_matrix> pose, std::vector<float> &out) {
+    Failure joint_confidences(Span<const sinew_matrix> pose, std::vector<float> &out,
+                              Span<const float> curves = {}) {
         Failure failure;
         out.resize(envelope_->info().joint_len);
         failure.status = sinew_envelope_joint_confidences(
-            envelope_->get(), pose.data, pose.len, scratch_.data(), scratch_.size(), out.data(),
-            out.size(), &failure.error);
+            envelope_->get(), pose.data, pose.len, curves.data, curves.len, scratch_.data(),
+            scratch_.size(), out.data(), out.size(), &failure.error);
         return failure;
     }
 

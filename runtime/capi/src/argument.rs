@@ -69,7 +69,7 @@ pub enum sinew_argument {
     Depths = 29,
     /// Samples of signals.
     Samples = 30,
-    /// Names of the joints of the caller's skeleton.
+    /// Names of the joints of the caller's skeleton, or of the caller's curves.
     Names = 31,
     /// Map from the file's joints to those of the caller's skeleton, or the joints' parents.
     Joints = 32,
@@ -83,6 +83,12 @@ pub enum sinew_argument {
     Clips = 36,
     /// Scratch for layers that are drawn separately, in pixels.
     Group = 37,
+    /// Values of the curves, or the map from the file's curves to the caller's.
+    Curves = 38,
+    /// Intermediate result: rotations of joints that stretch. No function of this library takes it.
+    Turns = 39,
+    /// Intermediate result: strains of joints that stretch. No function of this library takes it.
+    Strains = 40,
 
     /// Memory for an object; lengths are in bytes.
     Memory = 50,
@@ -132,10 +138,12 @@ pub enum sinew_argument {
     Filter = 72,
     /// A level of evaluation.
     Level = 73,
+    /// Index of a curve.
+    Curve = 74,
 }
 
 /// Name of each argument.
-const NAMES: [(sinew_argument, &CStr); 62] = {
+const NAMES: [(sinew_argument, &CStr); 66] = {
     use sinew_argument as A;
     [
         (A::Call, c"call"),
@@ -176,6 +184,9 @@ const NAMES: [(sinew_argument, &CStr); 62] = {
         (A::Layers, c"layers"),
         (A::Clips, c"clips"),
         (A::Group, c"group"),
+        (A::Curves, c"curves"),
+        (A::Turns, c"joint rotations"),
+        (A::Strains, c"strains"),
         (A::Memory, c"memory"),
         (A::File, c"file"),
         (A::Limits, c"limits"),
@@ -200,6 +211,7 @@ const NAMES: [(sinew_argument, &CStr); 62] = {
         (A::Map, c"map"),
         (A::Filter, c"filter"),
         (A::Level, c"level"),
+        (A::Curve, c"curve"),
     ]
 };
 
@@ -252,6 +264,9 @@ impl From<Argument> for sinew_argument {
             Argument::Layers => Self::Layers,
             Argument::Clips => Self::Clips,
             Argument::Group => Self::Group,
+            Argument::Curves => Self::Curves,
+            Argument::Turns => Self::Turns,
+            Argument::Strains => Self::Strains,
         }
     }
 }

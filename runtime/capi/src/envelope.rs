@@ -1,4 +1,4 @@
-//! Envelopes and matrices: opens and describes an envelope and its joints.
+//! Envelopes and matrices: opens and describes an envelope, its joints and its curves.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
@@ -17,7 +17,7 @@ pub const SINEW_ENVELOPE_WORDS: usize = 48;
 /// Sentinel for "no joint", for example the root's parent.
 pub const SINEW_NO_JOINT: u32 = u32::MAX;
 
-/// Predicts a palette of transforms from the J joints of a pose.
+/// Predicts a palette of transforms from the J joints and C curves of a pose.
 ///
 /// The envelope points to its model. Every call refuses the envelope once the model was cleared or has
 /// loaded another file.
@@ -104,16 +104,20 @@ pub struct sinew_envelope_info {
     pub predictor: sinew_predictor,
     /// J, the number of joints: skinning matrices of a pose.
     pub joint_len: usize,
+    /// C, the number of curves: floats of a pose; 0 for a rotational envelope.
+    pub curve_len: usize,
     /// P, the number of proxies or helpers.
     pub proxy_len: usize,
     /// Number of transforms of the palette.
     pub palette_len: usize,
     /// Floats of scratch that `sinew_envelope_palette` needs.
     pub scratch_len: usize,
-    /// Index of the joint without a parent.
+    /// Index of the joint without a parent; 0 if there is no joint.
     pub root: u32,
     /// Hash of names and parents, as `sinew_skeleton_hash` computes it.
     pub skeleton_hash: u32,
+    /// 1 if a joint stretches, otherwise 0.
+    pub stretches: u32,
     /// Measured errors of the fit.
     pub certificate: sinew_certificate,
 }
@@ -133,10 +137,27 @@ pub struct sinew_joint {
     pub pose_range: f32,
     /// Largest distance in training between the joint's origin and the place where its parent carries it.
     pub pose_gap: f32,
+    /// Largest strain in training: the norm of `(L^T L - I) / 2`, where L is the 3x3 of the joint's matrix.
+    /// It is 0 if the joint does not stretch.
+    pub stretch_range: f32,
     /// Inverse bind matrix: model space to the joint's rest frame.
     pub inverse_bind: sinew_matrix,
     /// Rest frame relative to the parent; for the root, in model space.
     pub rest_local: sinew_local_transform,
+}
+
+/// A curve of an envelope: a number of the animation, for example a slider of the rig. At rest a curve is 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_curve {
+    /// Name in UTF-8, in the file's bytes, without a terminating zero.
+    pub name: *const c_char,
+    /// Length of the name in bytes.
+    pub name_len: usize,
+    /// Smallest value in training.
+    pub min: f32,
+    /// Largest value in training.
+    pub max: f32,
 }
 
 /// Returns the size of an envelope in bytes: at most `SINEW_ENVELOPE_WORDS` words.
@@ -202,6 +223,24 @@ pub unsafe extern "C" fn sinew_envelope_joint(
     unsafe { part::describe(envelope, out_joint, out_error, answer) }
 }
 
+/// Describes a curve.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`, `OUT_OF_RANGE`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_curve(
+    envelope: *const sinew_envelope,
+    curve: usize,
+    out_curve: *mut sinew_curve,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let answer = |envelope: &Envelope<'_>| {
+        let outside = sinew_error::out_of_range(sinew_argument::Curve, curve, envelope.curve_len());
+        curve_info(envelope, curve).ok_or(outside)
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { part::describe(envelope, out_curve, out_error, answer) }
+}
+
 /// Copies the indices of the J joints, each after its parent.
 ///
 /// - `out_order`, `order_len`: room for J indices.
@@ -242,11 +281,13 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
             Predictor::Kernel => sinew_predictor::Kernel,
         },
         joint_len: envelope.joint_len(),
+        curve_len: envelope.curve_len(),
         proxy_len: envelope.proxy_len(),
         palette_len: envelope.palette_len(),
         scratch_len: envelope.scratch_len(),
         root: envelope.root() as u32,
         skeleton_hash: envelope.skeleton_hash(),
+        stretches: u32::from(envelope.stretches()),
         certificate: sinew_certificate {
             diagonal: certificate.diagonal,
             training_rms: certificate.training_rms,
@@ -268,7 +309,14 @@ fn joint_info(envelope: &Envelope<'_>, joint: usize) -> Option<sinew_joint> {
         parent: envelope.parent(joint).map_or(SINEW_NO_JOINT, |parent| parent as u32),
         pose_range: envelope.pose_range(joint)?,
         pose_gap: envelope.pose_gap(joint)?,
+        stretch_range: envelope.stretch_range(joint)?,
         inverse_bind: sinew_matrix { rows: envelope.inverse_bind(joint)? },
         rest_local: sinew_local_transform { rotation, translation },
     })
+}
+
+fn curve_info(envelope: &Envelope<'_>, curve: usize) -> Option<sinew_curve> {
+    let name = envelope.curve_name(curve)?;
+    let [min, max] = envelope.curve_range(curve)?;
+    Some(sinew_curve { name: name.as_ptr().cast(), name_len: name.len(), min, max })
 }

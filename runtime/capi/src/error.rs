@@ -85,9 +85,9 @@ pub enum sinew_status {
     Length = 1,
     /// An array is too short. Expected: the minimum length; found: the array's length.
     TooShort = 2,
-    /// A transform of a joint or a number of a query is not finite. Index: the joint, counted through all
-    /// poses of a batch, or the number. For outputs, derivatives and variances: the result would not be
-    /// finite, because the query is too far from the centres.
+    /// A transform of a joint, a curve or a number of a query is not finite. Index: the joint or the curve,
+    /// counted through all poses of a batch, or the number. For outputs, derivatives and variances: the
+    /// result would not be finite, because the query is too far from the centres.
     NonFinite = 3,
     /// A quaternion has no direction: it is zero, or its square underflows or overflows. Index: the joint
     /// or the input.
@@ -110,6 +110,8 @@ pub enum sinew_status {
     OtherName = 11,
     /// The skeleton has only the root of several joints. Expected, found: numbers of joints.
     NoJoints = 12,
+    /// The caller's names lack a curve of the file. Index: the curve.
+    NoCurve = 13,
 
     /// A pointer is null.
     Null = 50,
@@ -189,7 +191,7 @@ pub enum sinew_status {
 }
 
 /// Text of each status.
-const TEXTS: [(sinew_status, &CStr); 42] = {
+const TEXTS: [(sinew_status, &CStr); 43] = {
     use sinew_status as S;
     [
         (S::Ok, c"done"),
@@ -205,6 +207,7 @@ const TEXTS: [(sinew_status, &CStr); 42] = {
         (S::NoRoot, c"the skeleton lacks the root"),
         (S::OtherName, c"a joint's name has another prefix, case or separators in the skeleton"),
         (S::NoJoints, c"the skeleton has no joint but the root"),
+        (S::NoCurve, c"the names lack a curve of the file"),
         (S::Null, c"a pointer is null"),
         (S::Misaligned, c"a pointer is not aligned"),
         (S::TooLong, c"an array reaches outside the address space"),
@@ -260,6 +263,7 @@ impl From<CallErrorKind> for sinew_status {
             CallErrorKind::NoRoot => Self::NoRoot,
             CallErrorKind::OtherName => Self::OtherName,
             CallErrorKind::NoJoints => Self::NoJoints,
+            CallErrorKind::NoCurve => Self::NoCurve,
         }
     }
 }

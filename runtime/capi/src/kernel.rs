@@ -203,12 +203,17 @@ pub unsafe extern "C" fn sinew_kernel_evaluate(
 ) -> sinew_status {
     let evaluation = Evaluation {
         input: Array::new(query, query_len, sinew_argument::Query),
+        curves: Array::none(),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_numbers, out_len, sinew_argument::Outputs),
         confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { evaluation.run_one(kernel, out_error, KernelMap::evaluate) }
+    unsafe {
+        evaluation.run_one(kernel, out_error, |kernel, input, _, scratch, output| {
+            kernel.evaluate(input, scratch, output)
+        })
+    }
 }
 
 /// Computes the derivatives of the m values with respect to the R numbers of a query. The values are those
@@ -234,13 +239,14 @@ pub unsafe extern "C" fn sinew_kernel_jacobian(
 ) -> sinew_status {
     let evaluation = Evaluation {
         input: Array::new(query, query_len, sinew_argument::Query),
+        curves: Array::none(),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_jacobian, jacobian_len, sinew_argument::Jacobian),
         confidences: Array::none(),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(kernel, out_error, |kernel, input, scratch, output, _| {
+        evaluation.run(kernel, out_error, |kernel, input, _, scratch, output, _| {
             kernel.jacobian(input, scratch, output)
         })
     }
@@ -268,13 +274,14 @@ pub unsafe extern "C" fn sinew_kernel_variance(
 ) -> sinew_status {
     let evaluation = Evaluation {
         input: Array::new(query, query_len, sinew_argument::Query),
+        curves: Array::none(),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_variances, variances_len, sinew_argument::Variances),
         confidences: Array::none(),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(kernel, out_error, |kernel, input, scratch, output, _| {
+        evaluation.run(kernel, out_error, |kernel, input, _, scratch, output, _| {
             kernel.variance(input, scratch, output)
         })
     }

@@ -51,7 +51,7 @@ use core::ffi::c_char;
 /// Version of the ABI that this header describes. `sinew_abi_version` returns the library's version.
 ///
 /// The version grows when a function, a structure or the meaning of a number changes.
-pub const SINEW_ABI_VERSION: u32 = 9;
+pub const SINEW_ABI_VERSION: u32 = 10;
 
 /// Returns the version of the library's ABI. A program that loads the library at run time compares the
 /// version with `SINEW_ABI_VERSION`.

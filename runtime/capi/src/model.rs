@@ -54,6 +54,8 @@ pub struct sinew_limits {
     pub influences: u32,
     /// Shapes of a skin.
     pub shapes: u32,
+    /// Curves of an envelope.
+    pub curves: u32,
 }
 
 // Calls read and write the caller's limits as the runtime's structure, which has these fields in this order.
@@ -67,6 +69,7 @@ const _: () = {
     assert!(offset_of!(sinew_limits, proxies) == offset_of!(Limits, proxies));
     assert!(offset_of!(sinew_limits, influences) == offset_of!(Limits, influences));
     assert!(offset_of!(sinew_limits, shapes) == offset_of!(Limits, shapes));
+    assert!(offset_of!(sinew_limits, curves) == offset_of!(Limits, curves));
 };
 
 /// A signed axis.

@@ -27,13 +27,14 @@ pub unsafe extern "C" fn sinew_envelope_pose(
 ) -> sinew_status {
     let evaluation = Evaluation::<LocalTransform, Matrix3x4> {
         input: Array::new(local.cast(), local_len, sinew_argument::Local),
+        curves: Array::none(),
         scratch: Array::none(),
         output: Array::new(out_pose.cast(), pose_len, sinew_argument::Pose),
         confidences: Array::none(),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(envelope, out_error, |envelope, local, _, out, _| {
+        evaluation.run(envelope, out_error, |envelope, local, _, _, out, _| {
             model_space_pose(envelope, local, out)
         })
     }
@@ -41,14 +42,17 @@ pub unsafe extern "C" fn sinew_envelope_pose(
 
 /// Computes the palette of a pose and its confidence.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space. They must be rigid to 1e-4,
-///   which this call does not check; in debug builds use `sinew_envelope_check_pose`.
+/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space. The matrix of a joint whose
+///   `sinew_joint.stretch_range` is 0 must be rigid to 1e-4. This call does not check the matrices; in debug
+///   builds use `sinew_envelope_check_pose`.
+/// - `curves`, `curves_len`: C values, in the order of `sinew_envelope_curve` and in the unit of training. A
+///   model without curves takes null and 0.
 /// - `scratch`, `scratch_len`: at least `sinew_envelope_info.scratch_len` floats with any content, one
 ///   array per thread. The content after the call has no meaning.
 /// - `out_palette`, `palette_len`: receives `sinew_envelope_info.palette_len` transforms, rest to posed, in
 ///   model space. They are for `sinew_skin_run`, or with `sinew_skin_influences` for a shader.
 /// - `out_confidence`: null, or receives the confidence: 1 inside the trained range, falling to 0 far
-///   outside.
+///   outside. A joint that is scaled to 0 or mirrored gives 0.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
 /// `OVERLAP`.
@@ -57,6 +61,8 @@ pub unsafe extern "C" fn sinew_envelope_palette(
     envelope: *const sinew_envelope,
     pose: *const sinew_matrix,
     pose_len: usize,
+    curves: *const f32,
+    curves_len: usize,
     scratch: *mut f32,
     scratch_len: usize,
     out_palette: *mut sinew_matrix,
@@ -66,6 +72,7 @@ pub unsafe extern "C" fn sinew_envelope_palette(
 ) -> sinew_status {
     let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
         input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        curves: Array::new(curves, curves_len, sinew_argument::Curves),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
         confidences: Array::optional(out_confidence, sinew_argument::Confidences),
@@ -99,6 +106,8 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     level: u32,
     pose: *const sinew_matrix,
     pose_len: usize,
+    curves: *const f32,
+    curves_len: usize,
     scratch: *mut f32,
     scratch_len: usize,
     out_palette: *mut sinew_matrix,
@@ -114,14 +123,15 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     };
     let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
         input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        curves: Array::new(curves, curves_len, sinew_argument::Curves),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
         confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run_one(envelope, out_error, |envelope, input, scratch, output| {
-            envelope.palette_at(known, input, scratch, output)
+        evaluation.run_one(envelope, out_error, |envelope, input, curves, scratch, output| {
+            envelope.palette_at(known, input, curves, scratch, output)
         })
     }
 }
@@ -130,7 +140,7 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
 /// trained range. The result shows which part of the skin the confidence of `sinew_envelope_palette` is
 /// about. A rotational envelope has no such confidences: `NO_STAGE`.
 ///
-/// - `pose`, `pose_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
+/// - `pose`, `pose_len`, `curves`, `curves_len`, `scratch`, `scratch_len`: as for `sinew_envelope_palette`.
 /// - `out_confidences`, `confidences_len`: receives J values in [0, 1]. If no map moves a joint's skin,
 ///   only the trained range counts. An envelope without maps gives 1.
 ///
@@ -141,6 +151,8 @@ pub unsafe extern "C" fn sinew_envelope_joint_confidences(
     envelope: *const sinew_envelope,
     pose: *const sinew_matrix,
     pose_len: usize,
+    curves: *const f32,
+    curves_len: usize,
     scratch: *mut f32,
     scratch_len: usize,
     out_confidences: *mut f32,
@@ -149,14 +161,15 @@ pub unsafe extern "C" fn sinew_envelope_joint_confidences(
 ) -> sinew_status {
     let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
         input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        curves: Array::new(curves, curves_len, sinew_argument::Curves),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::none(),
         confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
     unsafe {
-        evaluation.run(envelope, out_error, |envelope, input, scratch, _, out| {
-            envelope.joint_confidences(input, scratch, out)
+        evaluation.run(envelope, out_error, |envelope, input, curves, scratch, _, out| {
+            envelope.joint_confidences(input, curves, scratch, out)
         })
     }
 }
@@ -164,6 +177,7 @@ pub unsafe extern "C" fn sinew_envelope_joint_confidences(
 /// Computes the palettes of a batch of poses. Each palette has the bits of `sinew_envelope_palette`.
 ///
 /// - `poses`, `poses_len`: J skinning matrices per pose, one pose after another.
+/// - `curves`, `curves_len`: C values per pose.
 /// - `scratch`, `scratch_len`: as for one pose.
 /// - `out_palettes`, `palettes_len`: receives `sinew_envelope_info.palette_len` transforms per pose.
 /// - `out_confidences`, `confidences_len`: receives one confidence per pose. Their number sets the number
@@ -176,6 +190,8 @@ pub unsafe extern "C" fn sinew_envelope_palettes(
     envelope: *const sinew_envelope,
     poses: *const sinew_matrix,
     poses_len: usize,
+    curves: *const f32,
+    curves_len: usize,
     scratch: *mut f32,
     scratch_len: usize,
     out_palettes: *mut sinew_matrix,
@@ -186,6 +202,7 @@ pub unsafe extern "C" fn sinew_envelope_palettes(
 ) -> sinew_status {
     let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
         input: Array::new(poses.cast(), poses_len, sinew_argument::Pose),
+        curves: Array::new(curves, curves_len, sinew_argument::Curves),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_palettes.cast(), palettes_len, sinew_argument::Palette),
         confidences: Array::new(out_confidences, confidences_len, sinew_argument::Confidences),
@@ -194,9 +211,9 @@ pub unsafe extern "C" fn sinew_envelope_palettes(
     unsafe { evaluation.run(envelope, out_error, Envelope::palettes) }
 }
 
-/// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope; other
-/// envelopes give `NO_STAGE`. A program that calls only this function links no kernel maps: on a Cortex-M4F
-/// this saves 5 kB if optimised for size, 9 kB if for speed.
+/// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope, which has no
+/// curves; other envelopes give `NO_STAGE`. A program that calls only this function links no kernel maps:
+/// on a Cortex-M4F this saves 5 kB if optimised for size, 9 kB if for speed.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -214,10 +231,15 @@ pub unsafe extern "C" fn sinew_envelope_rotational_palette(
 ) -> sinew_status {
     let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
         input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
+        curves: Array::none(),
         scratch: Array::new(scratch, scratch_len, sinew_argument::Scratch),
         output: Array::new(out_palette.cast(), palette_len, sinew_argument::Palette),
         confidences: Array::optional(out_confidence, sinew_argument::Confidences),
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { evaluation.run_one(envelope, out_error, Envelope::rotational_palette) }
+    unsafe {
+        evaluation.run_one(envelope, out_error, |envelope, input, _, scratch, output| {
+            envelope.rotational_palette(input, scratch, output)
+        })
+    }
 }

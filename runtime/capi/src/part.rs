@@ -212,6 +212,7 @@ pub(crate) unsafe fn compute<'a, T: Part + 'a, I, J, V>(
 /// Arguments of a call that evaluates a part. Arrays that the call does not have are empty.
 pub(crate) struct Evaluation<I, O> {
     pub(crate) input: Checked<I>,
+    pub(crate) curves: Checked<f32>,
     pub(crate) scratch: Checked<f32>,
     pub(crate) output: Checked<O>,
     pub(crate) confidences: Checked<f32>,
@@ -222,7 +223,7 @@ impl<I, O> Evaluation<I, O> {
     /// takes the arrays in the order of the fields.
     ///
     /// # Safety
-    /// As for [`view`]; the input may be read, all other arrays and `out_error` may be written.
+    /// As for [`view`]; the input and the curves may be read, all other arrays and `out_error` may be written.
     pub(crate) unsafe fn run<'a, T: Part + 'a>(
         self,
         at: *const T,
@@ -230,6 +231,7 @@ impl<I, O> Evaluation<I, O> {
         evaluate: impl FnOnce(
             &T::View<'a>,
             &[I],
+            &[f32],
             &mut [f32],
             &mut [O],
             &mut [f32],
@@ -238,15 +240,17 @@ impl<I, O> Evaluation<I, O> {
         let body = || {
             // SAFETY: the caller's promise is passed on.
             let (view, [own, model, file]) = unsafe { view(at) }?;
-            let (input, scratch) = (self.input?, self.scratch?);
+            let (input, curves, scratch) = (self.input?, self.curves?, self.scratch?);
             let (output, confidences) = (self.output?, self.confidences?);
             let written = [scratch.span(), output.span(), confidences.span()];
-            border::check_disjoint(&written, &[own, model, file, input.span()])?;
+            border::check_disjoint(&written, &[own, model, file, input.span(), curves.span()])?;
             // SAFETY: lent by the caller; written memory overlaps nothing else.
-            let (input, scratch) = unsafe { (input.read(), scratch.write()) };
+            let (input, curves) = unsafe { (input.read(), curves.read()) };
             // SAFETY: as above.
-            let (output, confidences) = unsafe { (output.write(), confidences.write()) };
-            Ok(evaluate(&view, input, scratch, output, confidences)?)
+            let (scratch, output) = unsafe { (scratch.write(), output.write()) };
+            // SAFETY: as above.
+            let confidences = unsafe { confidences.write() };
+            Ok(evaluate(&view, input, curves, scratch, output, confidences)?)
         };
         // SAFETY: the caller's promise is passed on.
         unsafe { border::call(out_error, body) }
@@ -260,12 +264,18 @@ impl<I, O> Evaluation<I, O> {
         self,
         at: *const T,
         out_error: *mut sinew_error,
-        evaluate: impl FnOnce(&T::View<'a>, &[I], &mut [f32], &mut [O]) -> Result<f32, CallError>,
+        evaluate: impl FnOnce(
+            &T::View<'a>,
+            &[I],
+            &[f32],
+            &mut [f32],
+            &mut [O],
+        ) -> Result<f32, CallError>,
     ) -> sinew_status {
         // SAFETY: the caller's promise is passed on.
         unsafe {
-            self.run(at, out_error, |view, input, scratch, output, confidences| {
-                evaluate(view, input, scratch, output).map(|found| confidences.fill(found))
+            self.run(at, out_error, |view, input, curves, scratch, output, confidences| {
+                evaluate(view, input, curves, scratch, output).map(|found| confidences.fill(found))
             })
         }
     }

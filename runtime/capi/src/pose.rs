@@ -1,4 +1,4 @@
-//! Poses of the caller's skeleton: binds joints by name, gathers and checks poses, removes a scale.
+//! Poses of the caller's skeleton: binds joints and curves by name, gathers and checks poses, removes a scale.
 
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Span};
@@ -46,7 +46,7 @@ pub enum sinew_pose_fault_kind {
     Mirrored = 3,
     /// A matrix scales by `factor` along all axes.
     Scaled = 4,
-    /// A matrix scales along axes by different factors, or shears.
+    /// A matrix scales along axes by different factors, or shears, and further than in training.
     Stretched = 5,
     /// The matrices' rotations are transposed, and their translations may be lost.
     Transposed = 6,
@@ -66,6 +66,10 @@ pub enum sinew_pose_fault_kind {
     BoundTwice = 13,
     /// Each matrix, or each gathered frame, is relative to the joint's parent.
     Local = 14,
+    /// A joint is hidden: its matrix is scaled to 0. Kernel maps take the joint as at rest.
+    Hidden = 15,
+    /// A curve is not finite, or far beyond its values in training.
+    Curve = 17,
 }
 
 /// Result of `sinew_envelope_check_pose`.
@@ -74,11 +78,12 @@ pub enum sinew_pose_fault_kind {
 pub struct sinew_pose_fault {
     /// Likely mistake. If there is none, all other fields are 0.
     pub kind: sinew_pose_fault_kind,
-    /// Index of the joint that shows the mistake.
+    /// Index of the joint or curve that shows the mistake.
     pub joint: u32,
     /// For a scale, its size. For units, the factor for the pose's lengths; 1 if the unit is right.
     pub factor: f32,
-    /// Deviation of the joint: from a rotation, or from the place where its parent carries it.
+    /// Deviation of the joint: from a rotation, or from the place where its parent carries it. For a curve,
+    /// its value.
     pub found: f32,
     /// Largest deviation that is allowed.
     pub allowed: f32,
@@ -164,6 +169,41 @@ pub unsafe extern "C" fn sinew_envelope_bind(
     unsafe { border::call(out_error, body) }
 }
 
+/// Finds the file's curves among the caller's by name. Names must be equal. The curves of a pose are
+/// `curves[c] = values[out_map[c]]`.
+///
+/// - `names`, `names_len`: names of the caller's curves, in the order of `values`. The first of equal names
+///   counts.
+/// - `out_map`, `map_len`: receives, for each of the C curves, the index of the caller's curve.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `NO_CURVE`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_bind_curves(
+    envelope: *const sinew_envelope,
+    names: *const sinew_name,
+    names_len: usize,
+    out_map: *mut u32,
+    map_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let body = || {
+        // SAFETY: the caller's promise is passed on.
+        let (envelope, [own, model, file]) = unsafe { part::view(envelope) }?;
+        let names = Array::new(names, names_len, sinew_argument::Names)?;
+        let out = Array::new(out_map, map_len, sinew_argument::Curves)?;
+        let written = [out.span()];
+        border::check_disjoint(&written, &[own, model, file, names.span()])?;
+        // SAFETY: lent by the caller; written memory does not overlap it.
+        let names = unsafe { checked_names(names, &written) }?;
+        // SAFETY: lent by the caller; overlaps nothing else.
+        let out = unsafe { out.write() };
+        // SAFETY: the names have been checked.
+        Ok(envelope.bind_curves(names.iter().map(|name| unsafe { name_bytes(name) }), out)?)
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe { border::call(out_error, body) }
+}
+
 /// Gathers the J skinning matrices of a pose from the frames of the caller's skeleton, after its hierarchy
 /// pass. Matrix j is `root * world[map[j]] * inverse_bind_j`. A folded joint has its parent's matrix.
 ///
@@ -205,12 +245,13 @@ pub unsafe extern "C" fn sinew_envelope_gather(
 }
 
 /// Checks, for debug builds, that a pose fits the skeleton. Each matrix must be a rotation and a
-/// translation. Each joint must be where its parent carries it, within the distances seen in training. A
-/// pose that does not fit is not an error of the call; `out_fault` names the likely mistake.
+/// translation, but a joint may stretch twice as far as in training. Each joint must be where its parent
+/// carries it, within twice the distances seen in training. A curve may be ten times as large as in
+/// training. A pose that does not fit is not an error of the call; `out_fault` names the likely mistake.
 ///
 /// A pose that fits takes a few microseconds; finding the mistake takes milliseconds.
 ///
-/// - `pose`, `pose_len`: J skinning matrices, rest to posed, in model space.
+/// - `pose`, `pose_len`, `curves`, `curves_len`: as for `sinew_envelope_palette`.
 /// - `out_fault`: receives the likely mistake, or `SINEW_POSE_FAULT_KIND_NONE`.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_LONG`, `OVERLAP`.
@@ -219,19 +260,20 @@ pub unsafe extern "C" fn sinew_envelope_check_pose(
     envelope: *const sinew_envelope,
     pose: *const sinew_matrix,
     pose_len: usize,
+    curves: *const f32,
+    curves_len: usize,
     out_fault: *mut sinew_pose_fault,
     out_error: *mut sinew_error,
 ) -> sinew_status {
     let pose = Array::new(pose.cast(), pose_len, sinew_argument::Pose);
-    let answer = |envelope: &Envelope<'_>, pose: &[Matrix3x4], _: &[f32]| {
-        if pose.len() != envelope.joint_len() {
-            let error = sinew_error::new(sinew_status::Length, sinew_argument::Pose);
-            return Err(error.values(envelope.joint_len(), pose.len()));
-        }
-        Ok(envelope.check_pose(pose).map_or_else(sinew_pose_fault::from, |()| NO_FAULT))
+    let curves = Array::new(curves, curves_len, sinew_argument::Curves);
+    let answer = |envelope: &Envelope<'_>, pose: &[Matrix3x4], curves: &[f32]| {
+        check_len(sinew_argument::Pose, envelope.joint_len(), pose.len())?;
+        check_len(sinew_argument::Curves, envelope.curve_len(), curves.len())?;
+        Ok(envelope.check_pose(pose, curves).map_or_else(sinew_pose_fault::from, |()| NO_FAULT))
     };
     // SAFETY: the caller's promise is passed on.
-    unsafe { part::compute(envelope, (pose, Array::none()), out_fault, out_error, answer) }
+    unsafe { part::compute(envelope, (pose, curves), out_fault, out_error, answer) }
 }
 
 /// Returns the remedy for a mistake in a pose as zero-terminated text. Other numbers give "unknown
@@ -242,11 +284,12 @@ pub extern "C" fn sinew_pose_fault_text(kind: u32) -> *const c_char {
     found.map_or(c"unknown mistake", |(_, text)| text).as_ptr()
 }
 
-/// Removes the scale that all joints of a pose share, for example that of a scaled actor; the pose is then
-/// rigid. `sinew_palette_scale` applies the scale to the palette.
+/// Removes the scale that all joints of a pose share, for example that of a scaled actor.
+/// `sinew_palette_scale` applies the scale to the palette.
 ///
-/// The scale is read from the first joint. An empty pose, or a scale within 4e-6 of 1, gives 1 and leaves
-/// the pose unchanged.
+/// The scale is read from the first joint, and must be uniform: the columns of that joint's 3x3 are equally
+/// long and at right angles, within 2e-3 of the squared length. Otherwise, and for an empty pose or a scale
+/// within 4e-6 of 1, the result is 1 and the pose stays unchanged.
 ///
 /// - `pose`, `pose_len`: skinning matrices; they are changed.
 /// - `out_scale`: receives the scale.
@@ -332,6 +375,14 @@ pub unsafe extern "C" fn sinew_skeleton_hash(
     unsafe { border::call(out_error, body) }
 }
 
+/// Checks the length of an array.
+fn check_len(argument: sinew_argument, expected: usize, found: usize) -> Result<(), sinew_error> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(sinew_error::new(sinew_status::Length, argument).values(expected, found))
+}
+
 /// Borrows names after checking their pointers and lengths, and that written memory does not overlap their bytes.
 ///
 /// # Safety
@@ -373,14 +424,17 @@ const NO_FAULT: sinew_pose_fault = sinew_pose_fault {
 };
 
 /// Remedy for each mistake.
-const REMEDIES: [(sinew_pose_fault_kind, &CStr); 14] = {
+const REMEDIES: [(sinew_pose_fault_kind, &CStr); 16] = {
     use sinew_pose_fault_kind as K;
     [
         (K::None, c"nothing: the pose fits the skeleton"),
         (K::NonFinite, c"not finite: check the source of the joint's matrix"),
         (K::Mirrored, c"mirrored: take the mirror out of the actor and put it on the palette"),
         (K::Scaled, c"scaled: sinew_pose_take_scale takes out a scale that all joints share"),
-        (K::Stretched, c"scaled unevenly or sheared: joints may only rotate and translate"),
+        (
+            K::Stretched,
+            c"scaled unevenly or sheared: drop both, or train on poses that stretch the joint so far",
+        ),
         (K::Transposed, c"transposed: a matrix is three rows, the translation in the last column"),
         (K::Units, c"in another unit: convert the pose, or bake the model with --to-unit"),
         (
@@ -405,6 +459,11 @@ const REMEDIES: [(sinew_pose_fault_kind, &CStr); 14] = {
             c"inverse bind matrices applied twice: give sinew_envelope_gather the joints' frames",
         ),
         (K::Local, c"relative to the parents: chain local transforms with sinew_envelope_pose"),
+        (K::Hidden, c"scaled to 0: show the joint, or skip the check for poses that hide joints"),
+        (
+            K::Curve,
+            c"a curve far beyond training: give it in the unit of training, a percentage divided by 100",
+        ),
     ]
 };
 
@@ -413,8 +472,8 @@ impl From<PoseFault> for sinew_pose_fault {
         let PoseFault { kind, joint, factor, found, allowed, axes } = fault;
         use sinew_pose_fault_kind as K;
         let kind = match kind {
-            // The call has refused a pose of another length.
-            PoseFaultKind::Length => K::None,
+            // The call has refused arrays of another length.
+            PoseFaultKind::Length | PoseFaultKind::CurveLength => K::None,
             PoseFaultKind::NonFinite => K::NonFinite,
             PoseFaultKind::Mirrored => K::Mirrored,
             PoseFaultKind::Scaled => K::Scaled,
@@ -428,6 +487,8 @@ impl From<PoseFault> for sinew_pose_fault {
             PoseFaultKind::Frames => K::Frames,
             PoseFaultKind::BoundTwice => K::BoundTwice,
             PoseFaultKind::Local => K::Local,
+            PoseFaultKind::Hidden => K::Hidden,
+            PoseFaultKind::Curve => K::Curve,
         };
         Self { kind, joint: joint as u32, factor, found, allowed, axes: axes.map(i32::from) }
     }

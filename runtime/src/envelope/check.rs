@@ -3,9 +3,9 @@
 //! A step reads only data that earlier steps have checked. All steps together read each byte a bounded number of
 //! times, and allocate nothing.
 
-use super::counts::{BIND_TOLERANCE, EnvelopeCounts, RULES, TWIST_MAX, place};
+use super::counts::{BIND_TOLERANCE, EnvelopeCounts, NO_JOINT, RULES, TWIST_MAX, place};
 use super::group::{GroupKernel, GroupRow};
-use super::view::{Envelope, KeyRow, joint_index};
+use super::view::{Envelope, joint_index};
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
@@ -22,12 +22,21 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
     let predictor = counts.predictor;
     // Indices are u16, and the greatest u16 is the sentinel for "none".
     let indexed = u32::from(u16::MAX);
+    let corrects = predictor.corrects();
     // Each group owns at least one helper.
-    let groups = if predictor.corrects() { counts.proxy_len } else { 0 };
+    let groups = if corrects { counts.proxy_len } else { 0 };
+    let curves =
+        if cfg!(feature = "curves") && corrects { loading.limits.curves.min(indexed) } else { 0 };
+    // Curves alone may drive the helpers.
+    let alone = cfg!(feature = "curves") && corrects;
+    let joints = u32::from(!alone || counts.curve_len == 0);
+    let proxies = u32::from(!alone || counts.joint_len == 0);
     let ranges = [
-        (place::JOINTS, 1, loading.limits.joints.min(indexed)),
-        (place::PROXIES, predictor.reconstructs().into(), loading.limits.proxies.min(indexed)),
+        (place::CURVES, 0, curves),
+        (place::JOINTS, joints, loading.limits.joints.min(indexed)),
+        (place::PROXIES, proxies, loading.limits.proxies.min(indexed)),
         (place::GROUPS, 0, groups),
+        (place::STRETCHES, 0, u32::from(cfg!(feature = "stretch") && counts.joint_len > 0)),
     ];
     check_counts(loading, section, words, &ranges)?;
     Ok(counts.asked())
@@ -39,7 +48,7 @@ pub(crate) fn content(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked
 }
 
 /// Checks of the content, in order. Calls through pointers are not inlined, so the checks share stack space.
-static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7] = [
+static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7 + cfg!(feature = "curves") as usize] = [
     |envelope, loading| check_names(loading, envelope.names()),
     check_hierarchy,
     |envelope, loading| check_floats(loading, &envelope.0, &RULES),
@@ -47,6 +56,8 @@ static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7] = [
     check_keys,
     check_groups,
     check_corrections,
+    #[cfg(feature = "curves")]
+    check_curves,
 ];
 
 /// Checks that only the root has no parent, and that the evaluation order is a permutation with parents first.
@@ -54,6 +65,9 @@ static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7] = [
 /// The file stores the inverse of the order, so the check takes linear time without scratch.
 fn check_hierarchy(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let joint_len = envelope.joint_len();
+    if cfg!(feature = "curves") && joint_len == 0 && envelope.root() != 0 {
+        return loading.invalid(SectionKind::EnvelopeCounts, place::ROOT);
+    }
     let ranks = envelope.ranks();
     let rank = |joint: usize| ranks.get(joint).map(|le| usize::from(u16::from_le_bytes(*le)));
     for (position, joint) in envelope.evaluation_order().enumerate() {
@@ -97,7 +111,7 @@ fn check_keys(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
         let square: f32 = floats(twist).iter().map(|x| x * x).sum();
         square > TWIST_MAX * TWIST_MAX
     };
-    for (index, key) in envelope.keys().iter().filter_map(KeyRow::new).enumerate() {
+    for (index, key) in envelope.keys().enumerate() {
         let residual = key.residual.map_or(0, |(joint, _)| joint);
         let found = if key.joint < below { residual } else { key.joint };
         check_index(loading, SectionKind::Keys, index, below as u32, found as u32)?;
@@ -144,11 +158,23 @@ fn check_groups(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     Err(loading.refuse(kind, Some(section), place, values))
 }
 
+/// Checks that the least value of each curve is at most the greatest.
+#[cfg(feature = "curves")]
+fn check_curves(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
+    let mut ranges = envelope.curve_ranges().iter().map(floats);
+    match ranges.position(|[least, most]| least > most) {
+        Some(curve) => loading.invalid(SectionKind::CurveRanges, curve),
+        None => Ok(()),
+    }
+}
+
 /// Checks one row of a group; returns the kind of error, expected and found.
 fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
     let has_centres = row.centre_len > 0;
     let confidence = row.confidence.words();
-    if u32::from(row.joint) >= joint_len {
+    let has_joint = u32::from(row.joint) < joint_len
+        || cfg!(feature = "curves") && joint_len == 0 && row.joint == NO_JOINT;
+    if !has_joint {
         Some((Kind::Index, [joint_len, row.joint.into()]))
     } else if GroupKernel::from_number(row.kernel).is_none() {
         Some((Kind::Unsupported, [0, row.kernel.into()]))
@@ -166,7 +192,7 @@ fn wrong_row(row: &GroupRow, joint_len: u32) -> Option<(Kind, [u32; 2])> {
 /// Checks that inputs refer to features, and that every float of the kernel maps is in range.
 fn check_corrections(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let section = SectionKind::Corrections;
-    let below = 12 * envelope.joint_len() as u32;
+    let below = envelope.counts().feature_len() as u32;
     let mut words = envelope.corrections();
     let mut start = 0;
     for row in envelope.group_rows() {

@@ -1,120 +1,88 @@
-//! Confidence in a pose: stage confidence, from the joints' trained ranges (METHOD §1.8), and the confidence of the
-//! groups, from the variance of their kernel maps (METHOD §2.6).
+//! Confidence in a pose from the trained ranges of joints and curves, as in stage confidence (METHOD §1.8).
 
+use super::counts::STRAIN_LEN;
+use super::polar::is_hidden;
+use super::view::Envelope;
 use crate::linear::{Le, Matrix3x4, dot};
-use crate::numeric::{greater, lesser, nearness, smoothstep, sqrt};
-
-/// Unexplained error far from the training poses, where nothing is explained.
-const FAR: f32 = 1.0e30;
-
-/// Parameters of a group's confidence: how the variance of the group's kernel map becomes an expected error.
-///
-/// Errors are squared distances, divided by the squared distance that counts as no error.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GroupConfidence {
-    /// Squared distance from rest where the explained variance starts to fade; it is 0 from four times `reach` on.
-    pub reach: f32,
-    /// Share of the linear kernel: the prior variance is `1 - G(|x|^2)^2 + linear |x|^2`.
-    pub linear: f32,
-    /// Expected error of the base, per unit of variance.
-    pub signal: f32,
-    /// Expected error of the map, per unit of unexplained variance.
-    pub noise: f32,
-}
-
-/// Expected error of a palette without its correction, in two parts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct ExpectedError {
-    /// Part that the training poses explain. The correction removes this part.
-    explained: f32,
-    /// Part that the correction may leave.
-    unexplained: f32,
-}
-
-impl GroupConfidence {
-    /// Returns the four floats of a row in the file.
-    pub(crate) fn words(&self) -> [Le; 4] {
-        [self.reach, self.linear, self.signal, self.noise].map(f32::to_le_bytes)
-    }
-
-    /// Computes the expected error, from the variance that the training poses explain and the rest of the variance.
-    ///
-    /// - `input`: x, 0 at rest.
-    /// - `rest_change`: kernel of the first centre, the rest pose, less its value at x = 0.
-    /// - `roots`: h, values whose squares sum to the explained variance.
-    pub(crate) fn expected_error<'a>(
-        &self,
-        input: &[f32],
-        rest_change: f32,
-        roots: impl Iterator<Item = &'a f32>,
-    ) -> ExpectedError {
-        let mut square = 0.0;
-        for x in input {
-            square += x * x;
-        }
-        let near = nearness(square, (self.reach, 4.0 * self.reach));
-        if near == 0.0 {
-            return ExpectedError { explained: 0.0, unexplained: FAR };
-        }
-        let prior = greater(0.0, -rest_change * (2.0 + rest_change) + self.linear * square);
-        let mut explained = 0.0;
-        for root in roots {
-            explained += root * root;
-        }
-        let explained = near * lesser(prior, explained);
-        ExpectedError {
-            explained: self.signal * explained,
-            unexplained: self.noise * (prior - explained),
-        }
-    }
-}
-
-impl ExpectedError {
-    /// Adds the error of other vertices.
-    pub(crate) fn plus(self, other: Self) -> Self {
-        Self {
-            explained: self.explained + other.explained,
-            unexplained: self.unexplained + other.unexplained,
-        }
-    }
-
-    /// Returns the confidence, in [0, 1]: the share of the error that is explained.
-    pub(crate) fn confidence(self) -> f32 {
-        let explained = 1.0 + self.explained;
-        explained / (explained + self.unexplained)
-    }
-
-    /// Returns w, the weight of the kernel map: 1, unless the map is much likelier to harm than to help.
-    pub(crate) fn map_weight(self) -> f32 {
-        smoothstep(lesser(1.0, 8.0 * self.confidence()))
-    }
-}
+use crate::numeric::{greater, lesser, smoothstep, sqrt};
 
 /// Computes the confidence of a rotational envelope: [`crate::stages::confidence`] with checked arguments.
 ///
-/// - `ranges`: the largest angle of each of J joints in training, in radians; more values are ignored.
+/// - `pose`: J skinning matrices.
 /// - `rotations`: J rotation vectors.
-pub(crate) fn of_rotations(ranges: &[[Le; 1]], rotations: &[[f32; 3]]) -> f32 {
+/// - `strains`: J strains; empty if no joint stretches.
+pub(crate) fn of_rotations(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    rotations: &[[f32; 3]],
+    strains: &[[f32; STRAIN_LEN]],
+) -> f32 {
     let angles = rotations.iter().map(|theta| sqrt(dot(*theta, *theta)));
-    angles.zip(floats(ranges)).map(|(angle, range)| within(angle, range, range)).fold(1.0, lesser)
+    let ranges = floats(envelope.pose_ranges());
+    let angles = angles.zip(ranges).map(|(angle, range)| within(angle, range, range));
+    angles.chain(of_strains(envelope, strains)).chain(shown(pose)).fold(1.0, lesser)
 }
 
-/// Computes the confidence of each joint from its range alone, for an envelope with kernel maps.
+/// Computes the confidence of each joint from its ranges alone, for an envelope with kernel maps.
 ///
 /// The confidence falls only beyond 1.5 times the range: nearer, the kernel maps know more than the ranges. A joint
 /// that never moved in training is no input of any map, so only its range tells about the joint.
 ///
-/// - `ranges`: as for [`of_rotations`].
-/// - `features`: J matrices. The trace of a matrix is -2 (1 - cos(angle / 2)); the angle is approximated by
+/// - `pose`: J skinning matrices.
+/// - `features`: of the pose. The trace of a joint's matrix is -2 (1 - cos(angle / 2)); the angle is approximated by
 ///   4 sin(angle / 4).
-pub(crate) fn of_features(ranges: &[[Le; 1]], features: &[Matrix3x4]) -> impl Iterator<Item = f32> {
-    features.iter().zip(floats(ranges)).map(|([x, y, z], range)| {
+pub(crate) fn of_joints<'a>(
+    envelope: &'a Envelope<'_>,
+    pose: &'a [Matrix3x4],
+    features: &'a [f32],
+) -> impl Iterator<Item = f32> + 'a {
+    let (joints, rest) = features.split_at(features.len().min(12 * pose.len()));
+    let joints = joints.as_chunks::<4>().0.as_chunks::<3>().0;
+    let angles = joints.iter().zip(floats(envelope.pose_ranges())).map(|([x, y, z], range)| {
         let angle = 2.0 * sqrt(greater(0.0, -(x[0] + y[1] + z[2])));
         within(angle, 1.5 * range, range)
+    });
+    let strains = if envelope.stretches() { rest.as_chunks().0 } else { &[] };
+    let mut strains = of_strains(envelope, strains);
+    angles
+        .zip(shown(pose))
+        .map(move |(angle, shown)| lesser(lesser(angle, shown), strains.next().unwrap_or(1.0)))
+}
+
+/// Computes the confidence of each curve from its range.
+pub(crate) fn of_curves<'a>(
+    envelope: &Envelope<'a>,
+    curves: &'a [f32],
+) -> impl Iterator<Item = f32> + use<'a> {
+    curves.iter().zip(envelope.curve_ranges()).map(|(value, range)| {
+        let [least, most] = range.map(f32::from_le_bytes);
+        let half = 0.5 * (most - least);
+        within((value - (least + half)).abs(), 1.5 * half, half)
     })
 }
 
-fn floats(ranges: &[[Le; 1]]) -> impl Iterator<Item = f32> {
+/// Computes the confidence of each joint from its strain.
+fn of_strains<'a>(
+    envelope: &'a Envelope<'_>,
+    strains: &'a [[f32; STRAIN_LEN]],
+) -> impl Iterator<Item = f32> + 'a {
+    strains
+        .iter()
+        .zip(floats(envelope.stretch_ranges()))
+        .map(|(strain, range)| within(norm(strain), 1.5 * range, range))
+}
+
+/// Returns the Frobenius norm of a strain. Entries off the diagonal count twice.
+pub(crate) fn norm(&[xx, xy, xz, yy, yz, zz]: &[f32; STRAIN_LEN]) -> f32 {
+    sqrt(dot([xx, yy, zz], [xx, yy, zz]) + 2.0 * dot([xy, xz, yz], [xy, xz, yz]))
+}
+
+/// Returns 0 for each hidden joint, 1 for the others.
+fn shown(pose: &[Matrix3x4]) -> impl Iterator<Item = f32> {
+    pose.iter().map(|map| if is_hidden(map) { 0.0 } else { 1.0 })
+}
+
+fn floats<'a>(ranges: &'a [[Le; 1]]) -> impl Iterator<Item = f32> + use<'a> {
     ranges.iter().map(|[range]| f32::from_le_bytes(*range))
 }
 

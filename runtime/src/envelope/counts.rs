@@ -7,10 +7,13 @@ use crate::format::rule::{ALWAYS, Rule};
 use crate::named::named;
 use crate::numeric::HALF_TURNS_MAX;
 
-/// Sentinel for "no joint": the parent of the root, or the residual joint of a key without one.
+/// Sentinel for "no joint": the parent of the root, the residual joint of a key without one, or the joint of a group if
+/// the envelope has no joint.
 pub const NO_JOINT: u16 = u16::MAX;
 /// Words of a key, 4 bytes each: two joints (u16), twist 9, residual twist 9, shear 36.
 pub const KEY_WORDS: usize = 1 + 9 + 9 + 36;
+/// Numbers of a joint's strain, (LᵀL - I) / 2 of its linear part L: xx, xy, xz, yy, yz, zz.
+pub const STRAIN_LEN: usize = 6;
 /// Allowed difference between the products of an inverse bind matrix's rows and the products of a rotation's rows.
 ///
 /// Training accepts singular values within 1e-2 of 1, which make a difference of 0.02. The tolerance is half as much
@@ -134,11 +137,15 @@ pub struct EnvelopeCounts {
     pub group_len: u32,
     /// Floats of scratch for the correction, without the features.
     pub correction_len: u32,
+    /// Whether a joint stretches.
+    pub stretches: bool,
+    /// Curves, C; 0 for a rotational envelope.
+    pub curve_len: u32,
 }
 
 impl EnvelopeCounts {
     /// Bytes of section `envelope_counts`.
-    pub const BYTES: usize = 24;
+    pub const BYTES: usize = 32;
 
     /// Returns the number of transforms in the palette: P, or J + P for the kernel predictor.
     pub const fn palette_len(&self) -> usize {
@@ -146,31 +153,55 @@ impl EnvelopeCounts {
         joints.saturating_add(self.proxy_len as usize)
     }
 
+    /// Returns the number of features: 12 a joint, 6 more a joint if joints stretch, 1 a curve.
+    pub const fn feature_len(&self) -> usize {
+        let each = if self.stretches { 12 + STRAIN_LEN as u32 } else { 12 };
+        // A file's counts are below 2^16.
+        self.joint_len.wrapping_mul(each).wrapping_add(self.curve_len) as usize
+    }
+
+    /// Returns the number of joints with room for a rotation and a strain: J if joints stretch, else 0.
+    pub(crate) const fn stretching(&self) -> usize {
+        if self.stretches { self.joint_len as usize } else { 0 }
+    }
+
     /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 6] {
-        let Self { predictor, joint_len, proxy_len, root, group_len, correction_len } = *self;
-        [predictor as u32, joint_len, proxy_len, root, group_len, correction_len]
+    pub const fn words(&self) -> [u32; 8] {
+        let Self { predictor, joint_len, proxy_len, root, group_len, correction_len, .. } = *self;
+        let (stretches, curve_len) = (self.stretches as u32, self.curve_len);
+        let predictor = predictor as u32;
+        [predictor, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len]
     }
 
     /// Makes counts from words in the order of the file; `None` if the predictor is unknown.
-    pub const fn from_words(words: [u32; 6]) -> Option<Self> {
-        let [predictor, joint_len, proxy_len, root, group_len, correction_len] = words;
-        let Some(predictor) = Predictor::from_number(predictor) else { return None };
-        Some(Self { predictor, joint_len, proxy_len, root, group_len, correction_len })
+    pub const fn from_words(words: [u32; 8]) -> Option<Self> {
+        match Predictor::from_number(words[place::PREDICTOR]) {
+            Some(predictor) => Some(Self::of(predictor, words)),
+            None => None,
+        }
     }
 
     /// Makes counts from checked words.
     pub(crate) const fn read(words: &[u32; COUNTS]) -> Self {
-        match Self::from_words(first_counts(words)) {
-            Some(counts) => counts,
-            None => Self {
-                predictor: Predictor::Rotational,
-                joint_len: 0,
-                proxy_len: 0,
-                root: 0,
-                group_len: 0,
-                correction_len: 0,
-            },
+        let words = first_counts(words);
+        match Predictor::from_number(words[place::PREDICTOR]) {
+            Some(predictor) => Self::of(predictor, words),
+            None => Self::of(Predictor::Rotational, words),
+        }
+    }
+
+    const fn of(predictor: Predictor, words: [u32; 8]) -> Self {
+        let [_, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len] =
+            words;
+        Self {
+            predictor,
+            joint_len,
+            proxy_len,
+            root,
+            group_len,
+            correction_len,
+            stretches: cfg!(feature = "stretch") && stretches != 0,
+            curve_len: if cfg!(feature = "curves") { curve_len } else { 0 },
         }
     }
 
@@ -190,8 +221,15 @@ impl EnvelopeCounts {
     pub(crate) const fn asked(&self) -> Asked {
         let reconstructs = if self.predictor.reconstructs() { RECONSTRUCTS } else { 0 };
         let corrects = if self.predictor.corrects() { CORRECTS } else { 0 };
-        let Self { joint_len: j, proxy_len: p, group_len: g, .. } = *self;
-        Asked::new(ALWAYS | reconstructs | corrects, [1, j, p, p.div_ceil(2), g])
+        let stretches = match (self.stretches, self.predictor.reconstructs()) {
+            (true, true) => STRETCHES | STRETCHES_KEYS,
+            (true, false) => STRETCHES,
+            (false, _) => 0,
+        };
+        let curves = if self.curve_len > 0 { CURVES } else { 0 };
+        let Self { joint_len: j, proxy_len: p, group_len: g, curve_len: c, .. } = *self;
+        let has = ALWAYS | reconstructs | corrects | stretches | curves;
+        Asked::new(has, [1, j, p, p.div_ceil(2), g, c, j.saturating_add(c)])
     }
 }
 
@@ -203,23 +241,32 @@ pub(crate) mod place {
     pub(crate) const ROOT: usize = 3;
     pub(crate) const GROUPS: usize = 4;
     pub(crate) const CORRECTION: usize = 5;
+    pub(crate) const STRETCHES: usize = 6;
+    pub(crate) const CURVES: usize = 7;
 }
 
 /// Flag of an envelope with keys, c1 and c2.
 const RECONSTRUCTS: u8 = 4;
 /// Flag of an envelope with kernel maps.
 const CORRECTS: u8 = 8;
+/// Flag of an envelope with joints that stretch.
+const STRETCHES: u8 = 16;
+/// Flag of an envelope with keys whose joints stretch.
+const STRETCHES_KEYS: u8 = 32;
+/// Flag of an envelope with curves.
+const CURVES: u8 = 64;
 
 /// Sections of an envelope, in the order of the trainer's files.
 pub const ENVELOPE_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && EnvelopeCounts::BYTES <= 4 * COUNTS);
 
-/// Rules for the sections of an envelope. Sizes: 1, J, P, blocks of 8 rows in 4 P, G.
-pub(crate) const RULES: [Rule; 12] = [
+/// Rules for the sections of an envelope. Sizes: 1, J, P, blocks of 8 rows in 4 P, G, C, J + C.
+pub(crate) const RULES: [Rule;
+    12 + 2 * cfg!(feature = "stretch") as usize + cfg!(feature = "curves") as usize] = [
     Rule::new(SectionKind::EnvelopeCounts, EnvelopeCounts::BYTES as u8, [0, 0]),
     Rule::floats(SectionKind::Certificate, Certificate::BYTES as u8, [0, 0]),
-    Rule::new(SectionKind::Names, 4, [1, 0]).or_more(4),
+    Rule::new(SectionKind::Names, 4, [6, 0]).or_more(4),
     Rule::new(SectionKind::Hierarchy, 6, [1, 0]),
     Rule::floats(SectionKind::InverseBinds, 48, [1, 0]),
     Rule::new(SectionKind::Keys, 4 * KEY_WORDS as u8, [2, 0]).with(RECONSTRUCTS).floats_after(1),
@@ -229,4 +276,10 @@ pub(crate) const RULES: [Rule; 12] = [
     Rule::floats(SectionKind::Origins, 12, [1, 0]).with(CORRECTS),
     Rule::new(SectionKind::Groups, GroupRow::BYTES as u8, [4, 0]).with(CORRECTS),
     Rule::new(SectionKind::Corrections, 0, [0, 0]).with(CORRECTS).or_more(0),
+    #[cfg(feature = "stretch")]
+    Rule::floats(SectionKind::StretchRanges, 4, [1, 0]).unsigned().with(STRETCHES),
+    #[cfg(feature = "stretch")]
+    Rule::floats(SectionKind::KeyStretches, 4 * 36, [2, 0]).with(STRETCHES_KEYS),
+    #[cfg(feature = "curves")]
+    Rule::floats(SectionKind::CurveRanges, 8, [5, 0]).with(CURVES),
 ];

@@ -1,11 +1,14 @@
 //! Stages of the kernel predictor: joints, features and correction (METHOD §1.9).
 
-use super::confidence::{self, ExpectedError};
-use super::group::Group;
+use super::confidence;
+use super::group::{ExpectedError, Group};
+use super::polar::{is_hidden, polar};
+use super::pose::Pose;
 use super::view::{Envelope, joint_index};
 use crate::linear::{
-    Columns, IDENTITY, Matrix3x4, columns, dot, floats, padded, quaternion, split,
+    Columns, Matrix3x4, columns, dot, floats, padded, quaternion, split, turn_back,
 };
+use crate::matrix;
 use crate::numeric::{lesser, sqrt};
 
 /// Evaluates stage joints: [`crate::stages::joints`] with checked arguments.
@@ -15,22 +18,54 @@ pub(crate) fn joints(envelope: &Envelope<'_>, pose: &[Matrix3x4], out_palette: &
         *out = *map;
     }
     for group in envelope.groups() {
-        if let (Some(out), Some(map)) = (helpers.get_mut(group.proxies), pose.get(group.joint)) {
-            out.fill(*map);
+        if let Some(out) = helpers.get_mut(group.proxies) {
+            out.fill(*dominant(pose, group.joint));
         }
     }
 }
 
+/// Evaluates stages polar, if joints stretch, and features.
+///
+/// - `out_turns`: J rotations; empty if no joint stretches.
+/// - `out_features`: [`super::EnvelopeCounts::feature_len`] values.
+pub(crate) fn all_features(
+    envelope: &Envelope<'_>,
+    pose: Pose<'_>,
+    out_turns: &mut [Columns],
+    out_features: &mut [f32],
+) {
+    if envelope.stretches() {
+        let (_, strains) = split(out_features, 12 * pose.joints.len());
+        polar(envelope, pose.joints, out_turns, strains.as_chunks_mut().0);
+    }
+    features(envelope, pose, out_turns, out_features);
+}
+
 /// Evaluates stage features: [`crate::stages::features`] with checked arguments.
+///
+/// - `turns`: J rotations from stage polar; empty if no joint stretches.
+/// - `out_features`: the strains, which stage polar has written, stay.
 pub(crate) fn features(
     envelope: &Envelope<'_>,
-    pose: &[Matrix3x4],
-    out_features: &mut [Matrix3x4],
+    pose: Pose<'_>,
+    turns: &[Columns],
+    out_features: &mut [f32],
 ) {
+    let curves = out_features.len().saturating_sub(pose.curves.len());
+    let (of_joints, of_curves) = split(out_features, curves);
+    for (out, value) in of_curves.iter_mut().zip(pose.curves) {
+        *out = *value;
+    }
+    let of_joints = of_joints.as_chunks_mut::<4>().0.as_chunks_mut::<3>().0;
     let joints = envelope.parents().iter().zip(envelope.origins());
-    for ((map, out), (parent, origin)) in pose.iter().zip(out_features).zip(joints) {
-        let parent = joint_index(parent).and_then(|parent| pose.get(parent));
-        *out = parent.map_or([[0.0; 4]; 3], |parent| joint_features(parent, map, floats(origin)));
+    for ((joint, out), (parent, origin)) in of_joints.iter_mut().enumerate().zip(joints) {
+        let ends = |joint: usize| Some((pose.joints.get(joint)?, turn(pose.joints, turns, joint)));
+        *out = match (ends(joint), joint_index(parent).and_then(ends)) {
+            (Some(own), Some(parent)) if !is_hidden(own.0) && !is_hidden(parent.0) => {
+                joint_features(parent, own, floats(origin))
+            }
+            _ => [[0.0; 4]; 3],
+        };
     }
 }
 
@@ -38,37 +73,39 @@ pub(crate) fn features(
 pub(crate) fn correction(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
-    joints: &[Matrix3x4],
+    features: &[f32],
     scratch: &mut [f32],
     out_palette: &mut [Matrix3x4],
 ) -> f32 {
     let first = out_palette.len().saturating_sub(envelope.proxy_len());
     let (_, helpers) = split(out_palette, first);
-    let features = joints.as_flattened().as_flattened();
     let mut error = ExpectedError::default();
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
         let out = helpers.get_mut(group.proxies.clone()).unwrap_or_default();
-        let dominant = pose.get(group.joint).unwrap_or(&[[0.0; 4]; 3]);
+        let dominant = dominant(pose, group.joint);
         error = error.plus(add_correction(&group, dominant, features, scratch, out));
     }
-    confidence::of_features(envelope.pose_ranges(), joints).fold(error.confidence(), lesser)
+    let curves = features.len().saturating_sub(envelope.curve_len());
+    let curves = confidence::of_curves(envelope, features.get(curves..).unwrap_or_default());
+    let joints = confidence::of_joints(envelope, pose, features);
+    joints.chain(curves).fold(error.confidence(), lesser)
 }
 
 /// Computes the confidence of each joint, from the joint's range and from the groups that the joint dominates.
 ///
-/// - `joints`: J matrices of features.
+/// - `features`: from [`all_features`].
 /// - `scratch`: as for [`correction`].
 /// - `out_confidences`: J values.
 #[inline]
 pub(crate) fn joint_confidences(
     envelope: &Envelope<'_>,
-    joints: &[Matrix3x4],
+    pose: &[Matrix3x4],
+    features: &[f32],
     scratch: &mut [f32],
     out_confidences: &mut [f32],
 ) {
-    let own = confidence::of_features(envelope.pose_ranges(), joints);
+    let own = confidence::of_joints(envelope, pose, features);
     out_confidences.iter_mut().zip(own).for_each(|(out, own)| *out = own);
-    let features = joints.as_flattened().as_flattened();
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
         let (error, _) = evaluate_map(&group, features, scratch);
         if let Some(out) = out_confidences.get_mut(group.joint) {
@@ -77,26 +114,41 @@ pub(crate) fn joint_confidences(
     }
 }
 
-/// Returns the features of a joint, `[half R | (R - I) o + t]`.
+/// Returns the transform of a group's dominant joint; the identity without joints.
+fn dominant(pose: &[Matrix3x4], joint: usize) -> &Matrix3x4 {
+    pose.get(joint).unwrap_or(&matrix::IDENTITY)
+}
+
+/// Returns the rotation of a joint: from stage polar, or the joint's linear part if no joint stretches.
+fn turn(pose: &[Matrix3x4], turns: &[Columns], joint: usize) -> Columns {
+    let linear = || pose.get(joint).map(columns).map(|[x, y, z, _]| [x, y, z]);
+    turns.get(joint).copied().or_else(linear).unwrap_or_default()
+}
+
+/// Returns the features of a joint, `[half R | gap]`: R is the rotation relative to the parent's, and the gap leads from
+/// the joint's origin as its parent carries it to where it is, in the parent's frame.
 ///
-/// The translations are subtracted first, so that the features are exactly 0 at rest.
-fn joint_features(parent: &Matrix3x4, map: &Matrix3x4, origin: [f32; 3]) -> Matrix3x4 {
-    let mut apart = *map;
-    for (row, parent) in apart.iter_mut().zip(parent) {
-        row[3] -= parent[3];
+/// The parent is subtracted first, so that the features are exactly 0 at rest.
+///
+/// - `parent`, `own`: the transform and the rotation of each.
+fn joint_features(
+    parent: (&Matrix3x4, Columns),
+    own: (&Matrix3x4, Columns),
+    origin: [f32; 3],
+) -> Matrix3x4 {
+    let mut gap = [[0.0; 3]];
+    for (out, (own, parent)) in gap.as_flattened_mut().iter_mut().zip(own.0.iter().zip(parent.0)) {
+        let [x, y, z, shift] = *own;
+        let [px, py, pz, parent_shift] = *parent;
+        *out = dot([x - px, y - py, z - pz], origin) + (shift - parent_shift);
     }
-    let [a, b, c] = apart;
+    turn_back(&parent.1, &mut gap);
+    let mut turned = own.1;
+    turn_back(&parent.1, &mut turned);
     let mut out = [[0.0; 4]; 3];
-    for (row, [x, y, z]) in out.iter_mut().zip(columns(parent)) {
-        for (value, ((a, b), c)) in row.iter_mut().zip(a.iter().zip(&b).zip(&c)) {
-            *value = x * a + y * b + z * c;
-        }
-    }
-    let [x, y, z, _] = columns(&out);
-    for ((row, half), [x, y, z]) in out.iter_mut().zip(half_rotation(&[x, y, z])).zip(IDENTITY) {
-        let [rx, ry, rz, t] = *row;
-        let [hx, hy, hz] = half;
-        *row = [hx, hy, hz, dot([rx - x, ry - y, rz - z], origin) + t];
+    let rows = half_rotation(&turned).into_iter().zip(gap.as_flattened());
+    for (row, ([x, y, z], gap)) in out.iter_mut().zip(rows) {
+        *row = [x, y, z, *gap];
     }
     out
 }

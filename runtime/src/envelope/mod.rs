@@ -5,7 +5,9 @@
 //! | predictor | base of the palette | correction | confidence |
 //! |---|---|---|---|
 //! | rotational | `gradients`, `palette` | none | `confidence` |
-//! | kernel | `joints` | `features`, `correction` | `correction`, from the kernel maps and the joints' ranges |
+//! | kernel | `joints` | `features`, `correction` | `correction`, from the kernel maps and the ranges |
+//!
+//! If joints stretch, stage `polar` comes first: it splits each joint's transform into a rotation and a strain.
 //!
 //! A [`crate::Skin`] takes the palette of either predictor.
 
@@ -15,22 +17,23 @@ mod counts;
 mod evaluate;
 mod group;
 pub(crate) mod helpers;
-mod pose;
+pub(crate) mod polar;
+pub(crate) mod pose;
 pub(crate) mod rotational;
 mod scratch;
 mod view;
 
-pub use confidence::GroupConfidence;
 pub(crate) use counts::RULES;
 pub use counts::{
     BIND_TOLERANCE, Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor,
-    TWIST_MAX,
+    STRAIN_LEN, TWIST_MAX,
 };
 pub use evaluate::Level;
-pub use group::{Group, GroupKernel, GroupRow};
+pub use group::{Group, GroupConfidence, GroupKernel, GroupRow};
 pub use pose::{
-    BoundJoints, FOLDED, GAP_MARGIN, GAP_TOLERANCE, LocalTransform, PoseFault, PoseFaultKind,
-    RIGID_TOLERANCE, gather_pose, model_space_pose, model_space_pose_under, skeleton_hash_of,
+    BoundJoints, CURVE_MARGIN, FOLDED, GAP_MARGIN, GAP_TOLERANCE, LocalTransform, PoseFault,
+    PoseFaultKind, RIGID_TOLERANCE, STRETCH_MARGIN, gather_pose, model_space_pose,
+    model_space_pose_under, skeleton_hash_of,
 };
 pub use scratch::{ScratchLayout, scratch_len};
 pub use view::{Envelope, EnvelopeLayout, Key};

@@ -1,37 +1,54 @@
 //! Stages of the rotational predictor: gradients (METHOD §1.1, §1.4, §1.5) and palette (METHOD §1.7.3).
 
+use super::counts::STRAIN_LEN;
+use super::polar::is_hidden;
 use super::view::{Envelope, KeyRow, joint_index};
 use crate::lanes::{Eight, Lanes};
 use crate::linear::{
-    Columns, IDENTITY, Le, Matrix3x4, add_block_product, columns, compose, dot, floats, product,
-    quaternion, rows, turn_back,
+    Columns, IDENTITY, Le, Matrix3x4, add_block_product, columns, compose, cross, dot, floats,
+    product, quaternion, rows, turn_back,
 };
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
 
 /// Evaluates stage gradients: [`crate::stages::gradients`] with checked arguments.
+///
+/// - `turns`, `strains`: J rotations and strains from stage polar; empty if no joint stretches.
 pub(crate) fn gradients(
     envelope: &Envelope<'_>,
     pose: &[Matrix3x4],
+    (turns, strains): (&[Columns], &[[f32; STRAIN_LEN]]),
     out_relative: &mut [[f32; 3]],
     out_rotations: &mut [[f32; 3]],
     out_gradients: &mut [[f32; 3]],
 ) {
     let (relative, _) = out_relative.as_chunks_mut::<4>();
-    remove_root_motion(pose, envelope.root(), relative);
+    remove_root_motion(pose, envelope, relative);
+    let turn = |joint: usize| turns.get(joint).unwrap_or_else(|| rotation(relative, joint));
     let parents = envelope.parents();
     for (joint, (out, parent)) in out_rotations.iter_mut().zip(parents).enumerate() {
         *out = match joint_index(parent) {
             None => [0.0; 3],
             Some(parent) => {
-                let mut own = *rotation(relative, joint);
-                turn_back(rotation(relative, parent), &mut own);
+                let mut own = *turn(joint);
+                turn_back(turn(parent), &mut own);
                 log(&own)
             }
         };
     }
-    let keys = envelope.keys().iter().filter_map(KeyRow::new);
-    for (out, key) in out_gradients.as_chunks_mut().0.iter_mut().zip(keys) {
-        *out = gradient(parents, &key, relative, out_rotations);
+    let root = turns.get(envelope.root());
+    for (out, key) in out_gradients.as_chunks_mut().0.iter_mut().zip(envelope.keys()) {
+        let parent = parents.get(key.joint).and_then(joint_index);
+        let strain = strains.get(key.joint);
+        let map = gradient(&key, parent, strain, out_rotations);
+        *out = match (parent.map(turn), root) {
+            (None, _) => map,
+            (Some(parent), None) => product(parent, &map),
+            (Some(parent), Some(root)) => {
+                let mut parent = *parent;
+                turn_back(root, &mut parent);
+                product(&parent, &map)
+            }
+        };
     }
 }
 
@@ -62,9 +79,23 @@ pub(crate) fn palette(
 }
 
 /// Computes the joints' transforms relative to the root: 4 columns for each joint.
-fn remove_root_motion(pose: &[Matrix3x4], root: usize, out_relative: &mut [[[f32; 3]; 4]]) {
+///
+/// The root is taken as rigid if no joint stretches.
+fn remove_root_motion(
+    pose: &[Matrix3x4],
+    envelope: &Envelope<'_>,
+    out_relative: &mut [[[f32; 3]; 4]],
+) {
+    let root = envelope.root();
     let Some([x, y, z, origin]) = pose.get(root).map(columns) else { return };
-    let rotation = [x, y, z];
+    let mut rotation = [x, y, z];
+    if envelope.stretches() {
+        // Columns of the inverse's transpose.
+        let cofactors = [cross(y, z), cross(z, x), cross(x, y)];
+        let scale =
+            pose.get(root).filter(|map| !is_hidden(map)).map(|_| 1.0 / dot(x, cofactors[0]));
+        rotation = cofactors.map(|column| column.map(|value| value * scale.unwrap_or_default()));
+    }
     for (out, map) in out_relative.iter_mut().zip(pose) {
         let [x, y, z, t] = columns(map);
         let t = [t[0] - origin[0], t[1] - origin[1], t[2] - origin[2]];
@@ -77,25 +108,20 @@ fn remove_root_motion(pose: &[Matrix3x4], root: usize, out_relative: &mut [[[f32
     }
 }
 
-/// Evaluates the gradient of a key, `D = Q_p exp(A theta_b) [exp(A' theta_c)] S`.
+/// Evaluates the gradient of a key in the frame of the joint's parent, `exp(A theta_b) [exp(A' theta_c)] S`.
 fn gradient(
-    parents: &[[u8; 2]],
     key: &KeyRow<'_>,
-    relative: &[[[f32; 3]; 4]],
+    parent: Option<usize>,
+    strain: Option<&[f32; STRAIN_LEN]>,
     rotations: &[[f32; 3]],
 ) -> Columns {
     let theta = |joint: usize| rotations.get(joint).unwrap_or(&[0.0; 3]);
-    let parent = parents.get(key.joint).and_then(joint_index);
     let theta_p = parent.map_or(&[0.0; 3], theta);
-    let mut out = scale_shear(key.shear, theta(key.joint), theta_p);
+    let mut out = scale_shear(key, theta(key.joint), theta_p, strain);
     if let Some((joint, twist)) = key.residual {
         out = turned(twist, theta(joint), &out);
     }
-    out = turned(key.twist, theta(key.joint), &out);
-    if let Some(parent) = parent {
-        out = product(rotation(relative, parent), &out);
-    }
-    out
+    turned(key.twist, theta(key.joint), &out)
 }
 
 /// Returns `exp(twist theta) m`.
@@ -109,12 +135,23 @@ fn rotation(relative: &[[[f32; 3]; 4]], joint: usize) -> &Columns {
     relative.get(joint).and_then(|map| map.first_chunk()).unwrap_or(&IDENTITY)
 }
 
-/// Returns S = I + sym(H [theta_b; theta_p]).
-fn scale_shear(shear: &[Le], b: &[f32; 3], p: &[f32; 3]) -> Columns {
-    let mut sums = [0.0; 6];
-    for (sum, row) in sums.iter_mut().zip(shear.as_chunks::<6>().0) {
+/// Returns S = I + sym(H [theta_b; theta_p] + G E_b).
+fn scale_shear(
+    key: &KeyRow<'_>,
+    b: &[f32; 3],
+    p: &[f32; 3],
+    strain: Option<&[f32; STRAIN_LEN]>,
+) -> Columns {
+    let mut sums = [0.0; STRAIN_LEN];
+    for (sum, row) in sums.iter_mut().zip(key.shear.as_chunks::<6>().0) {
         let [h0, h1, h2, h3, h4, h5] = floats(row);
         *sum = dot([h0, h1, h2], *b) + dot([h3, h4, h5], *p);
+    }
+    if let (Some(stretch), Some([xx, xy, xz, yy, yz, zz])) = (key.stretch, strain) {
+        for (sum, row) in sums.iter_mut().zip(stretch.as_chunks::<6>().0) {
+            let [g0, g1, g2, g3, g4, g5] = floats(row);
+            *sum += dot([g0, g1, g2], [*xx, *xy, *xz]) + dot([g3, g4, g5], [*yy, *yz, *zz]);
+        }
     }
     let [xx, xy, xz, yy, yz, zz] = sums;
     [[1.0 + xx, xy, xz], [xy, 1.0 + yy, yz], [xz, yz, 1.0 + zz]]

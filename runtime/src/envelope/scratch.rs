@@ -1,7 +1,8 @@
 //! Layout of the scratch of an evaluation, on a CPU and on a GPU.
 
+use super::counts::{EnvelopeCounts, STRAIN_LEN};
 use super::view::Envelope;
-use crate::linear::{Matrix3x4, split};
+use crate::linear::{Columns, split};
 
 /// Offsets of the arrays in the scratch of one pose, in floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,8 +13,12 @@ pub struct ScratchLayout {
     pub rotations: usize,
     /// Stack d: 3 P columns of 3.
     pub gradients: usize,
-    /// Features: J matrices of 12.
+    /// Features: J matrices of 12, then J strains of 6 if joints stretch, then C curves.
     pub features: usize,
+    /// J rotations of 9, if joints stretch.
+    pub turns: usize,
+    /// J strains of 6, if joints stretch.
+    pub strains: usize,
     /// Explained and unexplained error of each of the G groups; used only if groups are evaluated at once.
     pub confidences: usize,
     /// Scratch of the first group.
@@ -26,69 +31,112 @@ pub struct ScratchLayout {
 
 /// Returns the floats of scratch that [`Envelope::palette`] needs.
 ///
-/// The base needs 12 J + 3 J + 9 P. A correction needs 12 J + [`super::EnvelopeCounts::correction_len`]. The result is
-/// the greater of the two.
-pub const fn scratch_len(joint_len: usize, proxy_len: usize, correction_len: usize) -> usize {
-    ScratchLayout::in_turn(joint_len, proxy_len, correction_len).len
+/// The base of a rotational envelope needs 12 J + 3 J + 9 P. The correction of a kernel envelope needs its features
+/// and [`EnvelopeCounts::correction_len`]. If joints stretch, a rotational envelope needs 15 J more, a kernel envelope
+/// 9 J.
+pub const fn scratch_len(counts: &EnvelopeCounts) -> usize {
+    ScratchLayout::in_turn(counts).len
 }
 
 impl ScratchLayout {
     /// Lays out stages and groups that are evaluated in turn, as on a CPU. The arrays share memory.
-    pub const fn in_turn(joint_len: usize, proxy_len: usize, correction_len: usize) -> Self {
-        let (rotations, gradients) = (12 * joint_len, 15 * joint_len);
-        let base = gradients + 9 * proxy_len;
-        let all = correction_len.saturating_add(12 * joint_len);
-        let correction = if correction_len > 0 { all } else { 0 };
-        Self {
-            relative: 0,
-            rotations,
-            gradients,
-            features: 0,
-            confidences: 0,
-            groups: 12 * joint_len,
-            group_stride: 0,
-            len: if base > correction { base } else { correction },
+    pub const fn in_turn(counts: &EnvelopeCounts) -> Self {
+        if counts.predictor.reconstructs() {
+            return Self::of_base(counts);
         }
+        let joints = counts.joint_len as usize;
+        let turns = counts.feature_len();
+        let groups = turns + 9 * counts.stretching();
+        let correction = counts.correction_len as usize;
+        let len = if correction > 0 { groups.saturating_add(correction) } else { 0 };
+        Self { turns, strains: 12 * joints, groups, len, ..Self::NOTHING }
     }
+
+    /// Lays out the stages of a rotational envelope. A program without kernel maps links only this layout.
+    pub(crate) const fn of_base(counts: &EnvelopeCounts) -> Self {
+        let (joints, stretching) = (counts.joint_len as usize, counts.stretching());
+        let (rotations, gradients) = (12 * joints, 15 * joints);
+        let strains = gradients + 9 * counts.proxy_len as usize;
+        let turns = strains + STRAIN_LEN * stretching;
+        let len = turns + 9 * stretching;
+        Self { rotations, gradients, strains, turns, groups: strains, len, ..Self::NOTHING }
+    }
+
+    const NOTHING: Self = Self {
+        relative: 0,
+        rotations: 0,
+        gradients: 0,
+        features: 0,
+        turns: 0,
+        strains: 0,
+        confidences: 0,
+        groups: 0,
+        group_stride: 0,
+        len: 0,
+    };
 
     /// Lays out groups that are evaluated at once, as on a GPU. Every stage keeps its results.
     ///
     /// The scratch of a group is x (d), g (n) and [z h] (r + m), each in whole blocks of 8.
     pub fn at_once(envelope: &Envelope<'_>) -> Self {
-        let (joint_len, group_len) = (envelope.joint_len(), envelope.group_len());
-        let base = usize::from(envelope.predictor().reconstructs());
-        let correction = usize::from(group_len > 0);
+        let counts = envelope.counts();
         let padded = |len: usize| len.next_multiple_of(8);
         let sizes = envelope.groups().map(|group| {
             let (d, n, r) = (group.input_len(), group.centre_len(), group.rank());
             padded(d) + padded(n) + padded(r + group.certainty_len())
         });
         let group_stride = sizes.max().unwrap_or(0);
-        let rotations = base * 12 * joint_len;
-        let gradients = rotations + base * 3 * joint_len;
-        let features = gradients + base * 9 * envelope.proxy_len();
-        let confidences = features + correction * 12 * joint_len;
-        let groups = confidences + 2 * group_len;
+        let group_len = envelope.group_len();
+        let in_turn = Self::in_turn(&counts);
+        let (features, confidences, groups);
+        let Self { rotations, gradients, turns, strains, .. } = in_turn;
+        if counts.predictor.reconstructs() {
+            (features, confidences, groups) = (in_turn.len, in_turn.len, in_turn.len);
+        } else {
+            let correction = usize::from(group_len > 0);
+            features = 0;
+            confidences = correction * in_turn.groups;
+            groups = confidences + 2 * group_len;
+        }
         let len = groups.saturating_add(group_len.saturating_mul(group_stride));
-        Self { relative: 0, rotations, gradients, features, confidences, groups, group_stride, len }
+        Self {
+            relative: 0,
+            rotations,
+            gradients,
+            features,
+            turns,
+            strains,
+            confidences,
+            groups,
+            group_stride,
+            len,
+        }
     }
 
-    /// Splits off the stacks of the base: 4 J columns, J rotation vectors, 3 P columns.
-    pub(crate) fn base<'a>(&self, scratch: &'a mut [f32], proxy_len: usize) -> Base<'a> {
-        let (columns, _) = scratch.as_chunks_mut::<3>();
-        let (relative, columns) = split(columns, self.rotations / 3);
-        let (rotations, columns) = split(columns, (self.gradients - self.rotations) / 3);
-        let (gradients, _) = split(columns, 3 * proxy_len);
-        Base { relative, rotations, gradients }
+    /// Splits off the stacks of the base: 4 J columns, J rotation vectors, 3 P columns, J strains, J rotations.
+    pub(crate) fn base<'a>(&self, scratch: &'a mut [f32]) -> Base<'a> {
+        let (relative, rest) = split(scratch, self.rotations);
+        let (rotations, rest) = split(rest, self.gradients - self.rotations);
+        let (gradients, rest) = split(rest, self.strains - self.gradients);
+        let (strains, rest) = split(rest, self.turns - self.strains);
+        let (turns, _) = split(rest, self.len - self.turns);
+        Base {
+            relative: relative.as_chunks_mut().0,
+            rotations: rotations.as_chunks_mut().0,
+            gradients: gradients.as_chunks_mut().0,
+            strains: strains.as_chunks_mut().0,
+            turns: turns.as_chunks_mut::<3>().0.as_chunks_mut().0,
+        }
     }
 
-    /// Splits off J features, and the scratch of a group.
+    /// Splits off the features, J rotations, and the scratch of a group.
     pub(crate) fn correction<'a>(
         &self,
         scratch: &'a mut [f32],
-    ) -> (&'a mut [Matrix3x4], &'a mut [f32]) {
-        let (features, group) = split(scratch, self.groups);
-        (features.as_chunks_mut::<4>().0.as_chunks_mut::<3>().0, group)
+    ) -> (&'a mut [f32], &'a mut [Columns], &'a mut [f32]) {
+        let (features, rest) = split(scratch, self.turns);
+        let (turns, group) = split(rest, self.groups - self.turns);
+        (features, turns.as_chunks_mut::<3>().0.as_chunks_mut().0, group)
     }
 }
 
@@ -97,4 +145,6 @@ pub(crate) struct Base<'a> {
     pub(crate) relative: &'a mut [[f32; 3]],
     pub(crate) rotations: &'a mut [[f32; 3]],
     pub(crate) gradients: &'a mut [[f32; 3]],
+    pub(crate) strains: &'a mut [[f32; STRAIN_LEN]],
+    pub(crate) turns: &'a mut [Columns],
 }

@@ -2,6 +2,7 @@
 
 use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor, RULES, place};
 use super::group::GroupRow;
+use super::pose::Pose;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::format::SectionKind;
 use crate::format::part::{self, Part};
@@ -20,6 +21,12 @@ const POSE_RANGES: usize = Rule::place(&RULES, SectionKind::PoseRanges);
 const ORIGINS: usize = Rule::place(&RULES, SectionKind::Origins);
 const GROUPS: usize = Rule::place(&RULES, SectionKind::Groups);
 const CORRECTIONS: usize = Rule::place(&RULES, SectionKind::Corrections);
+#[cfg(feature = "stretch")]
+const STRETCH_RANGES: usize = Rule::place(&RULES, SectionKind::StretchRanges);
+#[cfg(feature = "stretch")]
+const KEY_STRETCHES: usize = Rule::place(&RULES, SectionKind::KeyStretches);
+#[cfg(feature = "curves")]
+const CURVE_RANGES: usize = Rule::place(&RULES, SectionKind::CurveRanges);
 
 /// Envelope of J joints and P proxies or helpers, which predicts a palette from a pose; borrowed from a loaded model.
 ///
@@ -28,7 +35,7 @@ const CORRECTIONS: usize = Rule::place(&RULES, SectionKind::Corrections);
 pub struct Envelope<'a>(pub(crate) Part<'a>);
 
 /// Key predictor (METHOD §1.4, §1.5):
-/// `D = Q_p exp(twist . theta_b) [exp(residual . theta_c)] (I + sym(H [theta_b; theta_p]))`.
+/// `D = Q_p exp(twist . theta_b) [exp(residual . theta_c)] (I + sym(H [theta_b; theta_p] + G E_b))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// Joint b that the key follows; p is the parent of b.
@@ -39,6 +46,8 @@ pub struct Key {
     pub residual: Option<(usize, [[f32; 3]; 3])>,
     /// H: a row for each of xx, xy, xz, yy, yz, zz of S - I; columns theta_b, then theta_p.
     pub shear: [[f32; 6]; 6],
+    /// G: rows as of H; columns are the joint's strain xx, xy, xz, yy, yz, zz. `None` if no joint stretches.
+    pub stretch: Option<[[f32; 6]; 6]>,
 }
 
 /// Key predictor, read in place.
@@ -47,6 +56,7 @@ pub(crate) struct KeyRow<'a> {
     pub(crate) twist: &'a [Le; 9],
     pub(crate) residual: Option<(usize, &'a [Le; 9])>,
     pub(crate) shear: &'a [Le],
+    pub(crate) stretch: Option<&'a [Le; 36]>,
 }
 
 part::view! { Envelope, EnvelopeLayout, |words| -> EnvelopeCounts { EnvelopeCounts::read(words) } }
@@ -77,7 +87,17 @@ impl<'a> Envelope<'a> {
         self.0.layout.counts[place::GROUPS] as usize
     }
 
-    /// Returns the reference root: the joint without a parent.
+    /// Whether a joint stretches: its linear part may be any matrix that does not mirror, not only a rotation.
+    pub const fn stretches(&self) -> bool {
+        self.counts().stretches
+    }
+
+    /// Returns C, the number of curves.
+    pub const fn curve_len(&self) -> usize {
+        self.counts().curve_len as usize
+    }
+
+    /// Returns the reference root: the joint without a parent; 0 if there is no joint.
     pub const fn root(&self) -> usize {
         self.0.layout.counts[place::ROOT] as usize
     }
@@ -90,7 +110,12 @@ impl<'a> Envelope<'a> {
 
     /// Returns a joint's name.
     pub fn joint_name(&self, joint: usize) -> Option<&'a str> {
-        self.names().get(joint.checked_add(1)?)
+        (joint < self.joint_len()).then(|| self.names().get(joint + 1))?
+    }
+
+    /// Returns a curve's name.
+    pub fn curve_name(&self, curve: usize) -> Option<&'a str> {
+        self.names().get((self.joint_len() + 1).checked_add(curve)?)
     }
 
     /// Returns a joint's parent; `None` for the root.
@@ -126,9 +151,24 @@ impl<'a> Envelope<'a> {
         gap.map(|[le]| f32::from_le_bytes(*le))
     }
 
+    /// Returns the largest norm of a joint's strain in training, `|LᵀL - I| / 2` of its linear part L; 0 if the joint
+    /// does not stretch.
+    pub fn stretch_range(&self, joint: usize) -> Option<f32> {
+        if joint >= self.joint_len() {
+            return None;
+        }
+        let range = self.stretch_ranges().get(joint);
+        Some(range.map_or(0.0, |[le]| f32::from_le_bytes(*le)))
+    }
+
+    /// Returns the least and the greatest value of a curve in training.
+    pub fn curve_range(&self, curve: usize) -> Option<[f32; 2]> {
+        self.curve_ranges().get(curve).map(floats)
+    }
+
     /// Returns the key predictor of a proxy; `None` for a kernel envelope.
     pub fn key(&self, proxy: usize) -> Option<Key> {
-        KeyRow::new(self.0.entry(KEYS, self.proxy_len(), proxy)?)?.to_key()
+        (proxy < self.proxy_len()).then(|| self.keys().nth(proxy))??.to_key()
     }
 
     /// Returns a coefficient of c1 (4 P x 3 P).
@@ -152,14 +192,22 @@ impl<'a> Envelope<'a> {
         Err(CallError::new(CallErrorKind::NoStage, Argument::Call).values(0, found))
     }
 
+    /// Checks that a pose has J finite matrices and C finite curves.
+    pub(crate) fn check_finite(&self, pose: Pose<'_>) -> Result<(), CallError> {
+        Argument::Pose.check_len(self.joint_len(), pose.joints.len())?;
+        Argument::Curves.check_len(self.curve_len(), pose.curves.len())?;
+        pose.check_finite()
+    }
+
     /// Checks that a pose has J finite matrices.
-    pub(crate) fn check_finite(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
+    pub(crate) fn check_joints(&self, pose: &[Matrix3x4]) -> Result<(), CallError> {
         Argument::Pose.check_len(self.joint_len(), pose.len())?;
-        Argument::Pose.check_finite(pose.iter().position(|m| !is_finite(m)))
+        Pose { joints: pose, curves: &[] }.check_finite()
     }
 
     pub(crate) fn names(&self) -> Names<'a> {
-        Names::new(self.0.bytes(NAMES), self.joint_len() + 1)
+        // The counts are below 2^16.
+        Names::new(self.0.bytes(NAMES), self.joint_len() + self.curve_len() + 1)
     }
 
     pub(crate) fn parents(&self) -> &'a [[u8; 2]] {
@@ -183,8 +231,34 @@ impl<'a> Envelope<'a> {
         self.0.array(POSE_RANGES)
     }
 
-    pub(crate) fn keys(&self) -> &'a [[Le; KEY_WORDS]] {
-        self.0.array(KEYS)
+    /// Returns the largest strain of each joint; empty if no joint stretches.
+    pub(crate) fn stretch_ranges(&self) -> &'a [[Le; 1]] {
+        #[cfg(feature = "stretch")]
+        return self.0.array(STRETCH_RANGES);
+        #[cfg(not(feature = "stretch"))]
+        &[]
+    }
+
+    /// Returns the least and the greatest value of each curve.
+    pub(crate) fn curve_ranges(&self) -> &'a [[Le; 2]] {
+        #[cfg(feature = "curves")]
+        return self.0.array(CURVE_RANGES);
+        #[cfg(not(feature = "curves"))]
+        &[]
+    }
+
+    /// Lists the key predictors.
+    pub(crate) fn keys(&self) -> impl Iterator<Item = KeyRow<'a>> + use<'a> {
+        let (keys, stretches) = (self.0.array::<KEY_WORDS>(KEYS), self.key_stretches());
+        let rows = keys.iter().enumerate();
+        rows.map_while(move |(at, words)| KeyRow::new(words, stretches.get(at)))
+    }
+
+    fn key_stretches(&self) -> &'a [[Le; 36]] {
+        #[cfg(feature = "stretch")]
+        return self.0.array(KEY_STRETCHES);
+        #[cfg(not(feature = "stretch"))]
+        &[]
     }
 
     pub(crate) fn c1_blocks(&self) -> &'a [[Le; 8]] {
@@ -218,26 +292,21 @@ impl<'a> Envelope<'a> {
 }
 
 impl<'a> KeyRow<'a> {
-    pub(crate) fn new(words: &'a [Le; KEY_WORDS]) -> Option<Self> {
+    fn new(words: &'a [Le; KEY_WORDS], stretch: Option<&'a [Le; 36]>) -> Option<Self> {
         let [[b0, b1, c0, c1], matrices @ ..] = words;
         let (twist, rest) = matrices.split_first_chunk()?;
         let (residual, shear) = rest.split_first_chunk()?;
         let joint = u16::from_le_bytes([*b0, *b1]).into();
         let residual = joint_index(&[*c0, *c1]).map(|joint| (joint, residual));
-        Some(Self { joint, twist, residual, shear })
+        Some(Self { joint, twist, residual, shear, stretch })
     }
 
     pub(crate) fn to_key(&self) -> Option<Key> {
         let residual = self.residual.map(|(joint, twist)| (joint, rows(&floats(twist))));
         let shear = rows(&floats(self.shear.first_chunk::<36>()?));
-        Some(Key { joint: self.joint, twist: rows(&floats(self.twist)), residual, shear })
+        let stretch = self.stretch.map(|words| rows(&floats(words)));
+        Some(Key { joint: self.joint, twist: rows(&floats(self.twist)), residual, shear, stretch })
     }
-}
-
-/// Whether every entry of a matrix is finite.
-#[inline]
-pub(crate) fn is_finite(m: &Matrix3x4) -> bool {
-    m.as_flattened().iter().all(|x| x.is_finite())
 }
 
 /// Reads the index of a joint; `None` for [`NO_JOINT`].

@@ -115,9 +115,16 @@ fn place(index: u32) -> &'static str {
 fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
     let names: &[&str] = match section {
         None => &["file bytes", "parts", "sections"],
-        Some(SectionKind::EnvelopeCounts) => {
-            &["predictor", "joints", "proxies", "root", "groups", "floats of scratch"]
-        }
+        Some(SectionKind::EnvelopeCounts) => &[
+            "predictor",
+            "joints",
+            "proxies",
+            "root",
+            "groups",
+            "floats of scratch",
+            "stretches",
+            "curves",
+        ],
         Some(SectionKind::SkinCounts) => {
             &["vertices", "influences", "envelope", "ranges", "shapes", "entries", "deltas"]
         }

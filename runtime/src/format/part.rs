@@ -16,25 +16,21 @@ pub(crate) const COUNTS: usize = if cfg!(feature = "views") {
     8
 };
 /// Largest number of sizes in the rules of any kind of part.
-const SIZES: usize = match (
-    cfg!(feature = "views"),
-    cfg!(feature = "shapes"),
-    cfg!(feature = "kernel"),
-    cfg!(feature = "tangent-coefficients"),
-) {
-    (true, ..) => 13,
-    (false, true, ..) => 12,
-    (false, false, true, _) => 10,
-    (false, false, false, true) => 7,
-    (false, false, false, false) => 6,
-};
+const SIZES: usize =
+    match (cfg!(feature = "views"), cfg!(feature = "shapes"), cfg!(feature = "kernel")) {
+        (true, ..) => 13,
+        (false, true, _) => 12,
+        (false, false, true) => 10,
+        (false, false, false) => 7,
+    };
 /// Largest number of sections in the rules of any kind of part.
 pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") {
     17
 } else if cfg!(feature = "views") {
     16
 } else {
-    12
+    // Those of an envelope.
+    12 + 2 * cfg!(feature = "stretch") as usize + cfg!(feature = "curves") as usize
 };
 
 /// Offsets that loading stores for a part. The layout borrows nothing: it can be kept beside the

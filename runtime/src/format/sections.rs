@@ -146,6 +146,12 @@ named! {
         Neighbours = 68, "neighbours";
         /// Places of vertices in the textures of key views.
         VertexTexels = 69, "vertex_texels";
+        /// Largest strain of each joint in training.
+        StretchRanges = 70, "stretch_ranges";
+        /// Scale and shear of keys that follow the strain of their joints.
+        KeyStretches = 71, "key_stretches";
+        /// Least and greatest value of each curve in training.
+        CurveRanges = 72, "curve_ranges";
     }
     /// Every kind, by number.
     ALL;

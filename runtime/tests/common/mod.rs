@@ -72,16 +72,57 @@ pub fn random_pose(envelope: &Envelope<'_>, rng: &mut Rng, turn: f32) -> Vec<Mat
 
 pub const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Computes the palette in scratch of exactly the stated length.
+/// A pose whose joints stretch.
+pub struct Stretched {
+    /// J skinning matrices: those of `rigid`, with a linear part R S in place of R where a joint
+    /// stretches.
+    pub pose: Vec<Matrix3x4>,
+    /// The pose without stretch. S is symmetric and positive, so R is the rotation nearest to R S.
+    pub rigid: Vec<Matrix3x4>,
+    /// C values from -1 to 1.
+    pub curves: Vec<f32>,
+}
+
+/// Makes a random pose with random curves. Joints that stretched in training are scaled by factors of
+/// about 1/2 to 2, and sheared.
+pub fn stretched_pose(envelope: &Envelope<'_>, rng: &mut Rng, turn: f32) -> Stretched {
+    let rigid = random_pose(envelope, rng, turn);
+    let pose = rigid.iter().enumerate().map(|(joint, map)| {
+        if envelope.stretch_range(joint) == Some(0.0) {
+            return *map;
+        }
+        let [a, b, c, d, e, f] = [(); 6].map(|()| rng.unit());
+        let [x, y, z] = [a, b, c].map(|x| 2f32.powf(x));
+        let [d, e, f] = [d, e, f].map(|x| 0.15 * x);
+        let stretch = [[x, d, e], [d, y, f], [e, f, z]];
+        map.map(|[p, q, r, shift]| {
+            let entry = |c: usize| p * stretch[0][c] + q * stretch[1][c] + r * stretch[2][c];
+            [entry(0), entry(1), entry(2), shift]
+        })
+    });
+    let pose = pose.collect();
+    Stretched { pose, rigid, curves: (0..envelope.curve_len()).map(|_| rng.unit()).collect() }
+}
+
+/// Computes the palette in scratch of exactly the stated length; the curves are 0.
 pub fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
     confident_palette(envelope, pose).0
 }
 
-/// Computes the palette and the pose's confidence.
+/// Computes the palette and the pose's confidence; the curves are 0.
 pub fn confident_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
+    palette_with(envelope, pose, &vec![0.0; envelope.curve_len()])
+}
+
+/// Computes the palette of a pose with curves, and its confidence.
+pub fn palette_with(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    curves: &[f32],
+) -> (Vec<Matrix3x4>, f32) {
     let mut scratch = vec![f32::NAN; envelope.scratch_len()];
     let mut out = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
-    let confidence = envelope.palette(pose, &mut scratch, &mut out).unwrap();
+    let confidence = envelope.palette(pose, curves, &mut scratch, &mut out).unwrap();
     (out, confidence)
 }
 
@@ -283,7 +324,11 @@ fn exercise_filter(filter: &Filter<'_>) {
 }
 
 fn exercise_envelope(envelope: &Envelope<'_>) {
-    assert!((0..envelope.joint_len()).all(|j| envelope.joint_name(j).is_some()));
+    let (j, c) = (envelope.joint_len(), envelope.curve_len());
+    assert!(
+        (0..j).all(|j| envelope.joint_name(j).is_some() && envelope.stretch_range(j).is_some())
+    );
+    assert!((0..c).all(|c| envelope.curve_name(c).is_some() && envelope.curve_range(c).is_some()));
     let reconstructs = envelope.predictor().reconstructs();
     assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some() == reconstructs));
     assert_eq!(envelope.groups().count(), envelope.group_len());
@@ -293,7 +338,7 @@ fn exercise_envelope(envelope: &Envelope<'_>) {
     let local = vec![Rng(1).local(0.2); envelope.joint_len()];
     let mut pose = vec![IDENTITY; envelope.joint_len()];
     if model_space_pose(envelope, &local, &mut pose).is_ok() && rigid(&pose) {
-        let (transforms, confidence) = confident_palette(envelope, &pose);
+        let (transforms, confidence) = palette_with(envelope, &pose, &vec![0.5; c]);
         assert!(transforms.as_flattened().as_flattened().iter().all(|x| x.is_finite()));
         assert!((0.0..=1.0).contains(&confidence));
     }

@@ -122,6 +122,7 @@ fn no_vertex_and_one_vertex() {
         influences: 1,
         tangents: false,
         coefficients: false,
+        ..SMALL
     };
     with_skin(one, |envelope, skin| {
         let palette = palette(&envelope, &[IDENTITY]);

@@ -1,10 +1,10 @@
 //! Poses of an engine: from rest frames, from a larger skeleton, checked, scaled, with levels.
 
 use crate::common::{call_error, length_error};
-use models::{GOLDEN, Pieces, SMALL, Shape};
+use models::{GOLDEN, JOINTLESS, Pieces, SMALL, STRETCHING, Shape};
 use sinew_runtime::envelope::{
-    BoundJoints, FOLDED, Level, LocalTransform, PoseFault, PoseFaultKind as Kind, Predictor,
-    RIGID_TOLERANCE,
+    BoundJoints, CURVE_MARGIN, FOLDED, Level, LocalTransform, PoseFault, PoseFaultKind as Kind,
+    Predictor, RIGID_TOLERANCE, STRETCH_MARGIN,
 };
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::skin::{Output, Rest, cells};
@@ -13,10 +13,11 @@ use sinew_runtime::{
     model_space_pose, model_space_pose_under, scale_palette, take_scale,
 };
 
-/// Runs a test on the envelopes of the golden files and of a sample.
+/// Runs a test on the envelopes of the golden files and of samples, one of which stretches joints 1
+/// and 2 and has curves.
 fn each(test: impl Fn(&Envelope<'_>)) {
-    let sample = Pieces::sample(Predictor::Kernel, SMALL).bytes();
-    for file in GOLDEN.into_iter().chain([&*sample]) {
+    let samples = [SMALL, STRETCHING].map(|shape| Pieces::sample(Predictor::Kernel, shape).bytes());
+    for file in GOLDEN.into_iter().chain(samples.each_ref().map(Vec::as_slice)) {
         test(&Model::from_bytes(file).unwrap().envelope().unwrap());
     }
 }
@@ -37,6 +38,11 @@ fn turned(envelope: &Envelope<'_>, angle: f32) -> Vec<LocalTransform> {
         LocalTransform { rotation, ..local }
     };
     envelope.rest_locals().enumerate().map(turn).collect()
+}
+
+/// The curves at rest.
+fn still(envelope: &Envelope<'_>) -> Vec<f32> {
+    vec![0.0; envelope.curve_len()]
 }
 
 fn posed(envelope: &Envelope<'_>, local: &[LocalTransform]) -> Vec<Matrix3x4> {
@@ -232,14 +238,14 @@ fn invalid_bindings_and_gathers_are_refused() {
 fn poses_are_taken_and_faults_named() {
     each(|envelope| {
         let pose = posed(envelope, &turned(envelope, 0.5));
-        assert_eq!(envelope.check_pose(&pose), Ok(()));
+        assert_eq!(envelope.check_pose(&pose, &still(envelope)), Ok(()));
         let last = pose.len() - 1;
         let changed = |change: &dyn Fn(&mut Matrix3x4)| {
             let mut pose = pose.clone();
             change(&mut pose[last]);
-            envelope.check_pose(&pose).unwrap_err()
+            envelope.check_pose(&pose, &still(envelope)).unwrap_err()
         };
-        let fault = envelope.check_pose(&pose[1..]).unwrap_err();
+        let fault = envelope.check_pose(&pose[1..], &still(envelope)).unwrap_err();
         assert_eq!((fault.kind, fault.joint), (Kind::Length, last));
         for value in [f32::NAN, f32::INFINITY] {
             for place in 0..12 {
@@ -259,7 +265,8 @@ fn poses_are_taken_and_faults_named() {
         nearly[last] =
             nearly[last].map(|[x, y, z, t]| [slightly * x, slightly * y, slightly * z, t]);
         // The scale also moves the joint's origin, by too little to show.
-        assert!(!matches!(envelope.check_pose(&nearly), Err(PoseFault { kind: Kind::Scaled, .. })));
+        let found = envelope.check_pose(&nearly, &still(envelope));
+        assert!(!matches!(found, Err(PoseFault { kind: Kind::Scaled, .. })));
         if pose.len() > 1 {
             let fault = changed(&|m| m[0][3] += 50.0);
             assert_eq!((fault.kind, fault.joint), (Kind::Apart, last));
@@ -292,14 +299,15 @@ fn matrices_of_another_space_are_named() {
             None => frames[joint],
         };
         let local: Vec<_> = (0..pose.len()).map(local).collect();
-        let fault = |pose: &[Matrix3x4]| envelope.check_pose(pose).map_err(|fault| fault.kind);
+        let check = |pose: &[Matrix3x4]| envelope.check_pose(pose, &still(envelope));
+        let fault = |pose: &[Matrix3x4]| check(pose).map_err(|fault| fault.kind);
         let zero = vec![[[0.0; 4]; 3]; pose.len()];
         assert_eq!(fault(&zero), Err(Kind::Unset));
         let mut one = pose.clone();
         one[pose.len() - 1] = zero[0];
         assert_eq!(
-            envelope.check_pose(&one).unwrap_err(),
-            PoseFault { joint: pose.len() - 1, ..envelope.check_pose(&zero).unwrap_err() }
+            check(&one).unwrap_err(),
+            PoseFault { joint: pose.len() - 1, ..check(&zero).unwrap_err() }
         );
         if pose.len() == 1 {
             return;
@@ -334,7 +342,7 @@ fn a_scaled_actor_is_the_scaled_skin() {
             let scale = take_scale(&mut pose);
             let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
             let mut scratch = vec![0.0; envelope.scratch_len()];
-            envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+            envelope.palette(&pose, &[], &mut scratch, &mut palette).unwrap();
             scale_palette(&mut palette, scale);
             let mut out = vec![0.0; 6 * skin.vertex_len()];
             let floats = cells(&mut out);
@@ -357,7 +365,7 @@ fn a_scaled_actor_is_the_scaled_skin() {
         for factor in [0.5, 2.0, 1.1] {
             let mut scaled = pose.clone();
             scale_palette(&mut scaled, factor);
-            assert_eq!(envelope.check_pose(&scaled).unwrap_err().kind, Kind::Scaled);
+            assert_eq!(envelope.check_pose(&scaled, &[]).unwrap_err().kind, Kind::Scaled);
             let (scale, found) = evaluate(scaled);
             assert!((scale / factor - 1.0).abs() < 1e-6, "{scale}");
             let positions = found.chunks(6).zip(own.chunks(6));
@@ -381,7 +389,8 @@ fn joint_confidences_follow_the_groups_of_their_maps() {
         let pose = posed(envelope, &turned(envelope, 0.25));
         let mut scratch = vec![0.0; envelope.scratch_len()];
         let mut found = vec![f32::NAN; pose.len()];
-        let done = envelope.joint_confidences(&pose, &mut scratch, &mut found);
+        let curves = still(envelope);
+        let done = envelope.joint_confidences(&pose, &curves, &mut scratch, &mut found);
         if !envelope.predictor().corrects() {
             assert_eq!(done.unwrap_err().kind, CallErrorKind::NoStage);
             return;
@@ -395,9 +404,9 @@ fn joint_confidences_follow_the_groups_of_their_maps() {
         }
         // Uncertainties add up.
         let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
-        let all = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        let all = envelope.palette(&pose, &curves, &mut scratch, &mut palette).unwrap();
         assert_eq!(all < 1.0, found.iter().any(|confidence| *confidence < 1.0));
-        let short = envelope.joint_confidences(&pose, &mut scratch, &mut found[1..]);
+        let short = envelope.joint_confidences(&pose, &curves, &mut scratch, &mut found[1..]);
         assert_eq!(short.unwrap_err().argument, Argument::Confidences);
     });
 }
@@ -418,8 +427,8 @@ fn a_joint_outside_its_trained_range_lowers_the_confidence_with_or_without_maps(
         let mut scratch = vec![0.0; envelope.scratch_len()];
         let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
         let mut joints = vec![f32::NAN; pose.len()];
-        envelope.joint_confidences(&pose, &mut scratch, &mut joints).unwrap();
-        (envelope.palette(&pose, &mut scratch, &mut palette).unwrap(), joints[joint], palette)
+        envelope.joint_confidences(&pose, &[], &mut scratch, &mut joints).unwrap();
+        (envelope.palette(&pose, &[], &mut scratch, &mut palette).unwrap(), joints[joint], palette)
     };
     let mut doubted = 0;
     let cases = [(0.0, 0.0), (0.0, 0.04), (0.5, 0.7), (0.5, 0.9), (0.5, 1.4), (1.6, 2.9)];
@@ -442,12 +451,14 @@ fn a_joint_outside_its_trained_range_lowers_the_confidence_with_or_without_maps(
 fn levels_are_the_palette_with_and_without_its_correction() {
     each(|envelope| {
         let pose = posed(envelope, &turned(envelope, 0.25));
-        let mut scratch = vec![0.0; envelope.scratch_len()];
+        let (curves, mut scratch) = (still(envelope), vec![0.0; envelope.scratch_len()]);
         let mut at = |level: Option<Level>| {
             let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
             let confidence = match level {
-                Some(level) => envelope.palette_at(level, &pose, &mut scratch, &mut palette),
-                None => envelope.palette(&pose, &mut scratch, &mut palette),
+                Some(level) => {
+                    envelope.palette_at(level, &pose, &curves, &mut scratch, &mut palette)
+                }
+                None => envelope.palette(&pose, &curves, &mut scratch, &mut palette),
             };
             (palette, confidence.unwrap())
         };
@@ -466,7 +477,169 @@ fn levels_are_the_palette_with_and_without_its_correction() {
         } else {
             assert_ne!(base, at(None).0);
         }
-        let refused = envelope.palette_at(Level::Joints, &pose, &mut [], &mut []);
+        let refused = envelope.palette_at(Level::Joints, &pose, &curves, &mut [], &mut []);
         assert_eq!(refused.unwrap_err().argument, Argument::Palette);
+    });
+}
+
+/// Runs a test on the envelope of a kernel sample.
+fn sample(shape: Shape, test: impl FnOnce(&Envelope<'_>)) {
+    let model = Model::from_bytes(Pieces::sample(Predictor::Kernel, shape).bytes()).unwrap();
+    test(&model.envelope().unwrap());
+}
+
+#[test]
+fn a_joint_may_stretch_twice_as_far_as_in_training() {
+    sample(STRETCHING, |envelope| {
+        assert_eq!(
+            [0, 1, 2, 3].map(|joint| envelope.stretch_range(joint)),
+            [0.0, 0.25, 0.5, 0.0].map(Some)
+        );
+        // The joints lie along x: a stretch along y moves none of them.
+        let stretched = |joint: usize, strain: f32| {
+            let mut pose = vec![matrix::IDENTITY; 4];
+            pose[joint][1][1] = (1.0 + 2.0 * strain).sqrt();
+            envelope.check_pose(&pose, &[0.0; 3])
+        };
+        for (joint, range) in [(1, 0.25), (2, 0.5)] {
+            let most = STRETCH_MARGIN * range;
+            for strain in [0.0, range, 0.99 * most, -0.4] {
+                assert_eq!(stretched(joint, strain), Ok(()), "{joint} {strain}");
+            }
+            let fault = stretched(joint, 1.01 * most).unwrap_err();
+            assert_eq!((fault.kind, fault.joint, fault.allowed), (Kind::Stretched, joint, most));
+            assert!((fault.found - 1.01 * most).abs() < 1e-5, "{fault}");
+        }
+        let fault = stretched(3, 0.01).unwrap_err();
+        let found = (fault.kind, fault.joint, fault.allowed);
+        assert_eq!(found, (Kind::Stretched, 3, RIGID_TOLERANCE));
+        // A shear has a strain xy, which counts for yx too, and a strain yy.
+        let mut pose = vec![matrix::IDENTITY; 4];
+        pose[2][0][1] = 1.0;
+        assert_eq!(envelope.check_pose(&pose, &[0.0; 3]), Ok(()));
+        pose[2][0][1] = 1.2;
+        let fault = envelope.check_pose(&pose, &[0.0; 3]).unwrap_err();
+        assert_eq!((fault.kind, fault.joint), (Kind::Stretched, 2));
+        // Strain xy is 0.6, yy is 0.72.
+        assert!((fault.found - (0.72f32 * 0.72 + 2.0 * 0.36).sqrt()).abs() < 1e-5, "{fault}");
+    });
+}
+
+#[test]
+fn hidden_and_mirrored_joints_are_faults_of_their_own() {
+    for shape in [SMALL, STRETCHING] {
+        sample(shape, |envelope| {
+            let curves = still(envelope);
+            let fault = |joint: usize, by: [f32; 3], shift: f32| {
+                let mut pose = vec![matrix::IDENTITY; 4];
+                pose[joint] =
+                    [[by[0], 0.0, 0.0, shift], [0.0, by[1], 0.0, 0.0], [0.0, 0.0, by[2], 0.0]];
+                let fault = envelope.check_pose(&pose, &curves).unwrap_err();
+                assert_eq!(fault.joint, joint);
+                (fault.kind, fault.factor)
+            };
+            // At its origin, where engines collapse the skin of a hidden limb.
+            for joint in [0, 2, 3] {
+                let shift = [2.0, 0.0, 1.0, 3.0][joint];
+                assert_eq!(fault(joint, [0.0; 3], shift), (Kind::Hidden, 0.0));
+                let (kind, factor) = fault(joint, [0.005; 3], shift);
+                assert!(kind == Kind::Hidden && (factor - 0.005).abs() < 1e-6, "{factor}");
+                assert_eq!(fault(joint, [-1.0, 1.0, 1.0], 2.0 * shift).0, Kind::Mirrored);
+            }
+            // Nothing at all was written.
+            assert_eq!(fault(1, [0.0; 3], 0.0).0, Kind::Unset);
+        });
+    }
+}
+
+#[test]
+fn curves_in_another_unit_are_named() {
+    sample(STRETCHING, |envelope| {
+        let pose = vec![matrix::IDENTITY; 4];
+        let check = |curves: &[f32]| envelope.check_pose(&pose, curves);
+        // The ranges are 0 to 1, -0.5 to 0.5, and 0.25 to 2.
+        for curves in [[0.0; 3], [1.0, 0.5, 2.0], [-10.0, 5.0, -20.0], [10.0, -5.0, 20.0]] {
+            assert_eq!(check(&curves), Ok(()), "{curves:?}");
+        }
+        for (curve, value, most) in [(0, 50.0, 1.0), (0, 10.1, 1.0), (1, -5.1, 0.5), (2, 21.0, 2.0)]
+        {
+            let mut curves = [0.0; 3];
+            curves[curve] = value;
+            let expected = PoseFault {
+                kind: Kind::Curve,
+                joint: curve,
+                factor: 1.0,
+                found: value,
+                allowed: CURVE_MARGIN * most,
+                axes: [1, 2, 3],
+            };
+            assert_eq!(check(&curves), Err(expected));
+        }
+        let percent = check(&[100.0, 0.0, 0.0]).unwrap_err().to_string();
+        assert!(percent.starts_with("pose: curve 0 is 100, expected at most 10"), "{percent}");
+        assert!(percent.ends_with("a percentage must be divided by 100"), "{percent}");
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let fault = check(&[0.0, value, 0.0]).unwrap_err();
+            assert_eq!((fault.kind, fault.joint), (Kind::Curve, 1));
+        }
+        for len in [0, 2, 4] {
+            let fault = check(&vec![0.0; len]).unwrap_err();
+            assert_eq!((fault.kind, fault.joint), (Kind::CurveLength, len));
+        }
+    });
+    // A curve that training left at 0 has no scale, but must be finite.
+    let mut pieces = Pieces::sample(Predictor::Kernel, JOINTLESS);
+    pieces.section(SectionKind::CurveRanges).fill(0);
+    let model = Model::from_bytes(pieces.bytes()).unwrap();
+    let envelope = model.envelope().unwrap();
+    assert_eq!(envelope.check_pose(&[], &[1e9; 5]), Ok(()));
+    let fault = envelope.check_pose(&[], &[0.0, 0.0, 0.0, 0.0, f32::NAN]).unwrap_err();
+    assert_eq!((fault.kind, fault.joint), (Kind::Curve, 4));
+}
+
+#[test]
+fn curves_are_bound_by_names() {
+    sample(STRETCHING, |envelope| {
+        assert_eq!(envelope.curve_name(0), Some("curve 0"));
+        assert_eq!((envelope.curve_name(3), envelope.curve_name(usize::MAX)), (None, None));
+        let mut map = [9; 3];
+        let bound =
+            envelope.bind_curves(["curve 2", "other", "curve 0", "curve 1", "curve 0"], &mut map);
+        assert_eq!((bound, map), (Ok(()), [2, 3, 0]));
+        // A curve that is missing is named, and nothing is written. Joints are no curves.
+        let mut map = [9; 3];
+        let missing =
+            |index| CallError { index, ..call_error(CallErrorKind::NoCurve, Argument::Names) };
+        let names = ["curve 0", "Curve 1", "curve 2", "joint 1"];
+        assert_eq!(envelope.bind_curves(names, &mut map), Err(missing(1)));
+        assert_eq!(envelope.bind_curves(["curve"; 0], &mut map), Err(missing(0)));
+        let short = envelope.bind_curves(names, &mut map[1..]);
+        assert_eq!(short, Err(length_error(Argument::Curves, 3, 2)));
+        assert_eq!(map, [9; 3]);
+        let said = missing(1).to_string();
+        assert!(said.starts_with("names: curve 1 is not among them"), "{said}");
+    });
+    sample(SMALL, |envelope| {
+        assert_eq!(envelope.curve_name(0), None);
+        assert_eq!(envelope.bind_curves(["curve 0"], &mut []), Ok(()));
+    });
+}
+
+#[test]
+fn a_model_without_joints_takes_an_empty_pose() {
+    sample(JOINTLESS, |envelope| {
+        assert_eq!((envelope.joint_len(), envelope.root(), envelope.palette_len()), (0, 0, 3));
+        assert_eq!((envelope.joint_name(0), envelope.stretch_range(0)), (None, None));
+        assert_eq!(envelope.curve_name(4), Some("curve 4"));
+        assert_eq!(envelope.curve_range(4), Some([-0.5, 0.5]));
+        assert!(posed(envelope, &[]).is_empty());
+        let bound = envelope.bind_joints(["hip"], &mut []).unwrap();
+        assert_eq!(bound, BoundJoints { found_len: 0, missing_parent: None });
+        assert_eq!(gather_pose(envelope, &[], &[], None, &mut []), Ok(()));
+        assert_eq!(envelope.check_pose(&[], &still(envelope)), Ok(()));
+        let one = [matrix::IDENTITY];
+        assert_eq!(envelope.check_pose(&one, &still(envelope)).unwrap_err().kind, Kind::Length);
+        let mut scratch = vec![0.0; envelope.scratch_len()];
+        envelope.joint_confidences(&[], &still(envelope), &mut scratch, &mut []).unwrap();
     });
 }

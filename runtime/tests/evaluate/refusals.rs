@@ -4,8 +4,8 @@ use crate::common::{
     IDENTITY, call_error, job, length_error, output, short_error, stage_error, with_envelope,
     with_predictor, with_skin,
 };
-use models::{Pieces, SMALL, Shape};
-use sinew_runtime::envelope::Predictor;
+use models::{JOINTLESS, Pieces, SMALL, STRETCHING, Shape};
+use sinew_runtime::envelope::{Level, Predictor};
 use sinew_runtime::skin::{Rest, cells};
 use sinew_runtime::{
     Argument, CallError, CallErrorKind as Kind, Envelope, Matrix3x4, Model, SkinJob, stages,
@@ -16,151 +16,270 @@ fn not_finite(joint: usize) -> CallError {
     CallError { index: joint, ..call_error(Kind::NonFinite, Argument::Pose) }
 }
 
-#[test]
-fn a_refused_palette_writes_nothing() {
-    Predictor::ALL.into_iter().for_each(refused_palette);
+fn curve_not_finite(curve: usize) -> CallError {
+    CallError { index: curve, ..call_error(Kind::NonFinite, Argument::Curves) }
 }
 
-fn refused_palette(predictor: Predictor) {
-    with_predictor(predictor, SMALL, |envelope| {
-        let (j, p) = (envelope.joint_len(), envelope.palette_len());
-        let pose = vec![IDENTITY; j];
+/// Each predictor with shapes of every kind.
+fn each() -> impl Iterator<Item = (Predictor, Shape)> {
+    let of = |predictor: Predictor| [SMALL, STRETCHING].map(|shape| (predictor, shape));
+    Predictor::ALL.into_iter().flat_map(of).chain([(Predictor::Kernel, JOINTLESS)])
+}
+
+#[test]
+fn a_refused_palette_writes_nothing() {
+    each().for_each(|(predictor, shape)| refused_palette(predictor, shape));
+}
+
+fn refused_palette(predictor: Predictor, shape: Shape) {
+    with_predictor(predictor, shape, |envelope| {
+        let (j, c, p) = (envelope.joint_len(), envelope.curve_len(), envelope.palette_len());
+        let (pose, curves) = (vec![IDENTITY; j], vec![0.0; c]);
         let least = envelope.scratch_len();
-        let refused = |pose: &[Matrix3x4], scratch_len: usize, out_len: usize| {
+        let refused = |pose: &[Matrix3x4], curves: &[f32], scratch_len: usize, out_len: usize| {
             let mut scratch = vec![-7.0; scratch_len];
             let mut out = vec![[[-7.0; 4]; 3]; out_len];
-            let error = envelope.palette(pose, &mut scratch, &mut out).unwrap_err();
-            if predictor == Predictor::Rotational {
+            let error = envelope.palette(pose, curves, &mut scratch, &mut out).unwrap_err();
+            let level = Level::Joints;
+            let same = envelope.palette_at(level, pose, curves, &mut scratch, &mut out);
+            assert_eq!(same, Err(error));
+            if predictor == Predictor::Rotational && error.argument != Argument::Curves {
                 let same = envelope.rotational_palette(pose, &mut scratch, &mut out);
                 assert_eq!(same, Err(error));
             }
             let mut confidence = [-7.0];
-            let same = envelope.palettes(pose, &mut scratch, &mut out, &mut confidence);
+            let same = envelope.palettes(pose, curves, &mut scratch, &mut out, &mut confidence);
             assert_eq!((same, confidence), (Err(error), [-7.0]));
             assert_eq!(scratch, vec![-7.0; scratch_len]);
             assert_eq!(out, vec![[[-7.0; 4]; 3]; out_len]);
             error
         };
-        assert_eq!(refused(&pose[1..], least, p), length_error(Argument::Pose, j, j - 1));
-        assert_eq!(refused(&pose, least, p + 1), length_error(Argument::Palette, p, p + 1));
+        let one_more = vec![IDENTITY; j + 1];
+        let expected = length_error(Argument::Pose, j, j + 1);
+        assert_eq!(refused(&one_more, &curves, least, p), expected);
+        let expected = length_error(Argument::Curves, c, c + 1);
+        assert_eq!(refused(&pose, &vec![0.0; c + 1], least, p), expected);
+        if c > 0 {
+            let expected = length_error(Argument::Curves, c, c - 1);
+            assert_eq!(refused(&pose, &curves[1..], least, p), expected);
+        }
+        let expected = length_error(Argument::Palette, p, p + 1);
+        assert_eq!(refused(&pose, &curves, least, p + 1), expected);
         let short = short_error(Argument::Scratch, least, least - 1);
-        assert_eq!(refused(&pose, least - 1, p), short);
+        assert_eq!(refused(&pose, &curves, least - 1, p), short);
         for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            for joint in 0..j {
-                for entry in 0..12 {
-                    let mut pose = pose.clone();
-                    pose[joint].as_flattened_mut()[entry] = value;
-                    assert_eq!(refused(&pose, least, p), not_finite(joint));
-                }
+            for (joint, entry) in (0..j).flat_map(|joint| (0..12).map(move |entry| (joint, entry)))
+            {
+                let mut pose = pose.clone();
+                pose[joint].as_flattened_mut()[entry] = value;
+                assert_eq!(refused(&pose, &curves, least, p), not_finite(joint));
+            }
+            for curve in 0..c {
+                let mut curves = curves.clone();
+                curves[curve] = value;
+                assert_eq!(refused(&pose, &curves, least, p), curve_not_finite(curve));
             }
         }
     });
 }
 
 #[test]
+fn refused_confidences_write_nothing() {
+    with_predictor(Predictor::Kernel, STRETCHING, |envelope| {
+        let (pose, least) = (vec![IDENTITY; 4], envelope.scratch_len());
+        let refused = |pose: &[Matrix3x4], curves: &[f32], scratch_len: usize| {
+            let (mut scratch, mut out) = (vec![-7.0; scratch_len], [-7.0; 4]);
+            let error = envelope.joint_confidences(pose, curves, &mut scratch, &mut out);
+            assert!(scratch.iter().chain(&out).all(|x| *x == -7.0));
+            error.unwrap_err()
+        };
+        assert_eq!(refused(&pose[1..], &[0.0; 3], least), length_error(Argument::Pose, 4, 3));
+        assert_eq!(refused(&pose, &[0.0; 2], least), length_error(Argument::Curves, 3, 2));
+        let short = short_error(Argument::Scratch, least, least - 1);
+        assert_eq!(refused(&pose, &[0.0; 3], least - 1), short);
+        assert_eq!(refused(&pose, &[0.0, 0.0, f32::NAN], least), curve_not_finite(2));
+    });
+}
+
+#[test]
 fn a_refused_batch_writes_nothing() {
-    for predictor in Predictor::ALL {
-        with_predictor(predictor, SMALL, |envelope| {
-            let (j, p) = (envelope.joint_len(), envelope.palette_len());
-            let poses = vec![IDENTITY; 3 * j];
+    for (predictor, shape) in each() {
+        with_predictor(predictor, shape, |envelope| {
+            let (j, c, p) = (envelope.joint_len(), envelope.curve_len(), envelope.palette_len());
+            let (poses, curves) = (vec![IDENTITY; 3 * j], vec![0.0; 3 * c]);
             let least = envelope.scratch_len();
-            let refused = |poses: &[Matrix3x4], scratch: usize, out: usize, confidences: usize| {
-                let mut scratch = vec![-7.0; scratch];
-                let mut out = vec![[[-7.0; 4]; 3]; out];
-                let mut confidences = vec![-7.0; confidences];
-                let result = envelope.palettes(poses, &mut scratch, &mut out, &mut confidences);
+            let refused = |poses: &[Matrix3x4], curves: &[f32], lens: [usize; 3]| {
+                let mut scratch = vec![-7.0; lens[0]];
+                let mut out = vec![[[-7.0; 4]; 3]; lens[1]];
+                let mut confidences = vec![-7.0; lens[2]];
+                let (to, found) = (&mut out, &mut confidences);
+                let result = envelope.palettes(poses, curves, &mut scratch, to, found);
                 let floats = out.as_flattened().as_flattened().iter().chain(&scratch);
                 assert!(floats.chain(&confidences).all(|&x| x == -7.0));
                 result.unwrap_err()
             };
-            let pose = Argument::Pose;
-            assert_eq!(refused(&poses, least, 3 * p, 2), length_error(pose, 2 * j, 3 * j));
-            assert_eq!(refused(&poses[1..], least, 3 * p, 3), length_error(pose, 3 * j, 3 * j - 1));
-            let palette = Argument::Palette;
-            assert_eq!(refused(&poses, least, 2 * p, 3), length_error(palette, 3 * p, 2 * p));
+            if j > 0 {
+                let pose = Argument::Pose;
+                let expected = length_error(pose, 2 * j, 3 * j);
+                assert_eq!(refused(&poses, &curves, [least, 3 * p, 2]), expected);
+                let expected = length_error(pose, 3 * j, 3 * j - 1);
+                assert_eq!(refused(&poses[1..], &curves, [least, 3 * p, 3]), expected);
+                // Only the last pose is invalid, and none is evaluated.
+                let mut unsound = poses.clone();
+                unsound[3 * j - 1][1][3] = f32::NAN;
+                let found = refused(&unsound, &curves, [least, 3 * p, 3]);
+                assert_eq!(found, not_finite(3 * j - 1));
+            }
+            if c > 0 {
+                let expected = length_error(Argument::Curves, 3 * c, 3 * c - 1);
+                assert_eq!(refused(&poses, &curves[1..], [least, 3 * p, 3]), expected);
+                let mut unsound = curves.clone();
+                unsound[3 * c - 1] = f32::INFINITY;
+                let found = refused(&poses, &unsound, [least, 3 * p, 3]);
+                assert_eq!(found, curve_not_finite(3 * c - 1));
+            }
+            let expected = length_error(Argument::Palette, 3 * p, 2 * p);
+            assert_eq!(refused(&poses, &curves, [least, 2 * p, 3]), expected);
             let short = short_error(Argument::Scratch, least, least - 1);
-            assert_eq!(refused(&poses, least - 1, 3 * p, 3), short);
-            // Only the last pose is invalid, and none is evaluated.
-            let mut unsound = poses.clone();
-            unsound[3 * j - 1][1][3] = f32::NAN;
-            assert_eq!(refused(&unsound, least, 3 * p, 3), not_finite(3 * j - 1));
+            assert_eq!(refused(&poses, &curves, [least - 1, 3 * p, 3]), short);
         });
     }
 }
 
+/// A rotation of stage polar: three columns.
+const TURN: [[f32; 3]; 3] = [[-7.0; 3]; 3];
+/// A strain of stage polar.
+const STRAIN: [f32; 6] = [-7.0; 6];
+
 #[test]
 fn refused_stages_write_nothing() {
-    with_envelope(SMALL, |envelope| {
-        let (j, p) = (envelope.joint_len(), envelope.proxy_len());
-        let pose = vec![IDENTITY; j];
-        let mut short = vec![[-7.0; 3]; 4 * j - 1];
-        let (mut theta, mut d) = (vec![[-7.0; 3]; j], vec![[-7.0; 3]; 3 * p]);
-        let error = stages::gradients(&envelope, &pose, &mut short, &mut theta, &mut d);
-        assert_eq!(error, Err(length_error(Argument::Relative, 4 * j, 4 * j - 1)));
-        let written = short.iter().chain(&theta).chain(&d).any(|column| *column != [-7.0; 3]);
-        assert!(!written);
-        let error = stages::confidence(&envelope, &short[..j - 1]);
-        assert_eq!(error, Err(length_error(Argument::Rotations, j, j - 1)));
+    for shape in [SMALL, STRETCHING] {
+        with_envelope(shape, |envelope| refused_gradients(&envelope));
+        with_predictor(Predictor::Kernel, shape, |envelope| refused_correction(&envelope));
+    }
+    with_predictor(Predictor::Kernel, STRETCHING, |envelope| {
+        let pose = vec![IDENTITY; 4];
+        let refused = |pose: &[Matrix3x4], turn_len: usize, strain_len: usize| {
+            let (mut turns, mut strains) = (vec![TURN; turn_len], vec![STRAIN; strain_len]);
+            let error = stages::polar(&envelope, pose, &mut turns, &mut strains).unwrap_err();
+            assert!(turns.iter().all(|turn| *turn == TURN));
+            assert!(strains.iter().all(|strain| *strain == STRAIN));
+            error
+        };
+        assert_eq!(refused(&pose[1..], 4, 4), length_error(Argument::Pose, 4, 3));
+        assert_eq!(refused(&pose, 3, 4), length_error(Argument::Turns, 4, 3));
+        assert_eq!(refused(&pose, 4, 5), length_error(Argument::Strains, 4, 5));
+        let mut unsound = pose.clone();
+        unsound[2][1][3] = f32::NAN;
+        assert_eq!(refused(&unsound, 4, 4), not_finite(2));
     });
-    with_predictor(Predictor::Kernel, SMALL, |envelope| refused_correction(&envelope));
+}
+
+/// Number of rotations and strains that later stages take: J, or 0 if no joint stretches.
+fn split_len(envelope: &Envelope<'_>) -> usize {
+    if envelope.stretches() { envelope.joint_len() } else { 0 }
+}
+
+fn refused_gradients(envelope: &Envelope<'_>) {
+    let (j, p, split) = (envelope.joint_len(), envelope.proxy_len(), split_len(envelope));
+    let pose = vec![IDENTITY; j];
+    let refused = |relative: usize, turns: usize, strains: usize| {
+        let mut q = vec![[-7.0; 3]; relative];
+        let (mut theta, mut d) = (vec![[-7.0; 3]; j], vec![[-7.0; 3]; 3 * p]);
+        let (turns, strains) = (vec![TURN; turns], vec![STRAIN; strains]);
+        let split = (&turns[..], &strains[..]);
+        let error = stages::gradients(envelope, &pose, split, &mut q, &mut theta, &mut d);
+        assert!(q.iter().chain(&theta).chain(&d).all(|column| *column == [-7.0; 3]));
+        error.unwrap_err()
+    };
+    let expected = length_error(Argument::Relative, 4 * j, 4 * j - 1);
+    assert_eq!(refused(4 * j - 1, split, split), expected);
+    let expected = length_error(Argument::Turns, split, split + 1);
+    assert_eq!(refused(4 * j, split + 1, split), expected);
+    let expected = length_error(Argument::Strains, split, split + 1);
+    assert_eq!(refused(4 * j, split, split + 1), expected);
+
+    let (theta, strains) = (vec![[0.0; 3]; j], vec![STRAIN; split]);
+    let error = stages::confidence(envelope, &pose, &theta[1..], &strains);
+    assert_eq!(error, Err(length_error(Argument::Rotations, j, j - 1)));
+    let error = stages::confidence(envelope, &pose[1..], &theta, &strains);
+    assert_eq!(error, Err(length_error(Argument::Pose, j, j - 1)));
+    let error = stages::confidence(envelope, &pose, &theta, &vec![STRAIN; split + 1]);
+    assert_eq!(error, Err(length_error(Argument::Strains, split, split + 1)));
 }
 
 fn refused_correction(envelope: &Envelope<'_>) {
     let (j, len, least) = (4, envelope.palette_len(), envelope.correction_len());
+    let (c, f, split) =
+        (envelope.curve_len(), envelope.counts().feature_len(), split_len(envelope));
     let pose = vec![IDENTITY; j];
     let refused = |joints: usize, phi: usize, scratch: usize, out: usize| {
         let (mut scratch, mut out) = (vec![-7.0; scratch], vec![[[-7.0; 4]; 3]; out]);
-        let (pose, phi) = (&vec![IDENTITY; joints], &vec![IDENTITY; phi]);
+        let (pose, phi) = (&vec![IDENTITY; joints], &vec![0.0; phi]);
         let error = stages::correction(envelope, pose, phi, &mut scratch, &mut out).unwrap_err();
         let written = out.as_flattened().as_flattened().iter().chain(&scratch).any(|&x| x != -7.0);
         assert!(!written);
         error
     };
-    assert_eq!(refused(j - 1, j, least, len), length_error(Argument::Pose, j, j - 1));
-    assert_eq!(refused(j, j + 1, least, len), length_error(Argument::Features, j, j + 1));
+    assert_eq!(refused(j - 1, f, least, len), length_error(Argument::Pose, j, j - 1));
+    assert_eq!(refused(j, f + 1, least, len), length_error(Argument::Features, f, f + 1));
     let short = short_error(Argument::Scratch, least, least - 1);
-    assert_eq!(refused(j, j, least - 1, len), short);
-    assert_eq!(refused(j, j, least, len + 1), length_error(Argument::Palette, len, len + 1));
+    assert_eq!(refused(j, f, least - 1, len), short);
+    assert_eq!(refused(j, f, least, len + 1), length_error(Argument::Palette, len, len + 1));
 
-    let features = |pose: &[Matrix3x4], len: usize| {
-        let mut out = vec![[[-7.0; 4]; 3]; len];
-        let error = stages::features(envelope, pose, &mut out).unwrap_err();
-        assert_eq!(out, vec![[[-7.0; 4]; 3]; len]);
+    let features = |pose: &[Matrix3x4], curves: &[f32], turn_len: usize, len: usize| {
+        let (mut out, turns) = (vec![-7.0; len], vec![TURN; turn_len]);
+        let error = stages::features(envelope, pose, curves, &turns, &mut out).unwrap_err();
+        assert_eq!(out, vec![-7.0; len]);
         error
     };
-    assert_eq!(features(&pose[1..], j), length_error(Argument::Pose, j, j - 1));
-    assert_eq!(features(&pose, j - 1), length_error(Argument::Features, j, j - 1));
+    let curves = &vec![0.0; c][..];
+    let expected = length_error(Argument::Pose, j, j - 1);
+    assert_eq!(features(&pose[1..], curves, split, f), expected);
+    let expected = length_error(Argument::Features, f, f - 1);
+    assert_eq!(features(&pose, curves, split, f - 1), expected);
+    let expected = length_error(Argument::Turns, split, split + 1);
+    assert_eq!(features(&pose, curves, split + 1, f), expected);
+    let expected = length_error(Argument::Curves, c, c + 1);
+    assert_eq!(features(&pose, &vec![0.0; c + 1], split, f), expected);
+    if c > 0 {
+        let expected = curve_not_finite(c - 1);
+        assert_eq!(features(&pose, &[&curves[1..], &[f32::NAN]].concat(), split, f), expected);
+    }
     let mut unsound = pose.clone();
     unsound[2][1][3] = f32::NAN;
-    assert_eq!(features(&unsound, j), not_finite(2));
-    if envelope.predictor() == Predictor::Kernel {
-        let mut out = vec![[[-7.0; 4]; 3]; len];
-        let error = stages::joints(envelope, &unsound, &mut out);
-        assert_eq!(error, Err(not_finite(2)));
-        assert_eq!(out, vec![[[-7.0; 4]; 3]; len]);
-        let error = stages::joints(envelope, &pose, &mut out[1..]);
-        assert_eq!(error, Err(length_error(Argument::Palette, len, len - 1)));
-    }
+    assert_eq!(features(&unsound, curves, split, f), not_finite(2));
+    let mut out = vec![[[-7.0; 4]; 3]; len];
+    let error = stages::joints(envelope, &unsound, &mut out);
+    assert_eq!(error, Err(not_finite(2)));
+    assert_eq!(out, vec![[[-7.0; 4]; 3]; len]);
+    let error = stages::joints(envelope, &pose, &mut out[1..]);
+    assert_eq!(error, Err(length_error(Argument::Palette, len, len - 1)));
 }
 
 #[test]
 fn stages_of_another_predictor_are_refused() {
-    for predictor in Predictor::ALL {
-        with_predictor(predictor, SMALL, |envelope| {
+    for (predictor, shape) in each().filter(|(_, shape)| shape.joints > 0) {
+        with_predictor(predictor, shape, |envelope| {
             let pose = vec![IDENTITY; 4];
             let (mut q, mut theta, mut d) = (vec![[0.0; 3]; 16], vec![[0.0; 3]; 4], [[0.0; 3]; 9]);
             let mut out = vec![IDENTITY; envelope.palette_len()];
-            let mut phi = vec![IDENTITY; 4];
+            let mut phi = vec![0.0; envelope.counts().feature_len()];
+            let curves = vec![0.0; envelope.curve_len()];
             let mut scratch = vec![0.0; envelope.correction_len()];
+            let (mut turns, mut strains) = (vec![TURN; 4], vec![STRAIN; 4]);
             let of = |is_part: bool, result: Result<(), CallError>| {
                 let other = Err(stage_error(predictor));
                 assert_eq!(result, if is_part { Ok(()) } else { other });
             };
             let (base, corrects) = (predictor.reconstructs(), predictor.corrects());
-            of(base, stages::gradients(&envelope, &pose, &mut q, &mut theta, &mut d));
+            of(shape.stretches, stages::polar(&envelope, &pose, &mut turns, &mut strains));
+            let split = split_len(&envelope);
+            let split = (&turns[..split], &strains[..split]);
+            of(base, stages::gradients(&envelope, &pose, split, &mut q, &mut theta, &mut d));
             of(base, stages::palette(&envelope, &pose[0], &q, &d, &mut out));
             of(!base, stages::joints(&envelope, &pose, &mut out));
-            of(corrects, stages::features(&envelope, &pose, &mut phi));
+            of(corrects, stages::features(&envelope, &pose, &curves, split.0, &mut phi));
             let corrected = stages::correction(&envelope, &pose, &phi, &mut scratch, &mut out);
             of(corrects, corrected.map(|_| ()));
         });

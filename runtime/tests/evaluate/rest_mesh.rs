@@ -9,14 +9,7 @@ use sinew_runtime::format::SectionKind;
 use sinew_runtime::skin::{Bounds, Rest, cells};
 use sinew_runtime::{Matrix3x4, Model, Skin, SkinJob};
 
-const CROWD: Shape = Shape {
-    vertices: 60,
-    joints: 6,
-    proxies: 5,
-    influences: 4,
-    tangents: true,
-    coefficients: true,
-};
+const CROWD: Shape = Shape { vertices: 60, joints: 6, proxies: 5, influences: 4, ..SMALL };
 
 /// Another mesh with an equal number of vertices.
 struct Mesh {

@@ -1,65 +1,99 @@
 //! Batches and workspaces: the bits do not depend on the scratch.
 
 use crate::common::{
-    IDENTITY, bits, confident_palette, random_pose, with_envelope, with_predictor,
+    IDENTITY, Stretched, bits, palette_with, random_pose, stretched_pose, with_envelope,
+    with_predictor,
 };
-use models::{Rng, SMALL};
-use sinew_runtime::envelope::{Predictor, scratch_len};
+use models::{JOINTLESS, Rng, SMALL, STRETCHING, Shape};
+use sinew_runtime::envelope::{EnvelopeCounts, Predictor, scratch_len};
 use sinew_runtime::{Matrix3x4, Workspace};
 
 #[test]
 fn a_batch_has_the_bits_of_single_poses() {
-    for predictor in Predictor::ALL {
-        with_predictor(predictor, SMALL, |envelope| {
+    for (predictor, shape) in each() {
+        with_predictor(predictor, shape, |envelope| {
             let mut rng = Rng(17);
             let turns = [0.0, 0.05, 0.2, 1.0, 8.0];
-            let poses = turns.map(|turn| random_pose(&envelope, &mut rng, turn));
-            let alone = poses.each_ref().map(|pose| confident_palette(&envelope, pose));
+            let poses = turns.map(|turn| {
+                let Stretched { pose, curves, .. } = stretched_pose(&envelope, &mut rng, turn);
+                (pose, curves)
+            });
+            let alone =
+                poses.each_ref().map(|(pose, curves)| palette_with(&envelope, pose, curves));
             let expected = alone.each_ref().map(|(palette, _)| palette.as_slice()).concat();
             let mut out = vec![[[f32::NAN; 4]; 3]; expected.len()];
             let mut confidences = [f32::NAN; 5];
             let mut scratch = vec![f32::NAN; envelope.scratch_len()];
-            let poses = poses.concat();
-            envelope.palettes(&poses, &mut scratch, &mut out, &mut confidences).unwrap();
+            let curves = poses.each_ref().map(|(_, curves)| curves.as_slice()).concat();
+            let poses = poses.each_ref().map(|(pose, _)| pose.as_slice()).concat();
+            let (to, found) = (&mut out, &mut confidences);
+            envelope.palettes(&poses, &curves, &mut scratch, to, found).unwrap();
             let flat = |palettes: &[Matrix3x4]| bits(palettes.as_flattened().as_flattened());
             assert_eq!(flat(&out), flat(&expected));
             assert_eq!(bits(&confidences), bits(&alone.each_ref().map(|(_, found)| *found)));
             // The poses differ from each other.
             let first = envelope.palette_len();
             assert_ne!(out[..first], out[first..2 * first]);
-            assert_eq!(envelope.palettes(&[], &mut scratch, &mut [], &mut []), Ok(()));
+            assert_eq!(envelope.palettes(&[], &[], &mut scratch, &mut [], &mut []), Ok(()));
         });
+    }
+}
+
+/// Each predictor with shapes of every kind.
+fn each() -> impl Iterator<Item = (Predictor, Shape)> {
+    let of = |predictor: Predictor| [SMALL, STRETCHING].map(|shape| (predictor, shape));
+    Predictor::ALL.into_iter().flat_map(of).chain([(Predictor::Kernel, JOINTLESS)])
+}
+
+/// Counts of a sample of 3 proxies.
+const fn counts(predictor: Predictor, shape: Shape, correction_len: u32) -> EnvelopeCounts {
+    let curves = if predictor.corrects() { shape.curves } else { 0 };
+    EnvelopeCounts {
+        predictor,
+        joint_len: shape.joints as u32,
+        proxy_len: 3,
+        root: 0,
+        group_len: 0,
+        correction_len,
+        stretches: shape.stretches,
+        curve_len: curves as u32,
     }
 }
 
 #[test]
 fn a_workspace_on_the_stack_serves() {
-    const LEN: usize = scratch_len(4, 3, 0);
+    const LEN: usize = scratch_len(&counts(Predictor::Rotational, SMALL, 0));
     with_envelope(SMALL, |envelope| {
         assert_eq!(envelope.scratch_len(), LEN);
         let pose = vec![IDENTITY; envelope.joint_len()];
         let mut out = vec![IDENTITY; envelope.palette_len()];
-        envelope.palette(&pose, &mut Workspace::<LEN>::new(), &mut out).unwrap();
+        envelope.palette(&pose, &[], &mut Workspace::<LEN>::new(), &mut out).unwrap();
     });
 }
 
 #[test]
-fn base_and_correction_share_scratch() {
-    // The greater of 12 J + 3 J + 9 P and of 12 J and the correction's scratch.
-    assert_eq!(scratch_len(4, 3, 0), 87);
-    assert_eq!(scratch_len(4, 3, 39), 87);
-    assert_eq!(scratch_len(4, 3, 40), 88);
-    for predictor in Predictor::ALL {
-        with_predictor(predictor, SMALL, |envelope| {
+fn the_scratch_has_the_promised_length() {
+    let len = |predictor, shape, correction| scratch_len(&counts(predictor, shape, correction));
+    // 12 J + 3 J + 9 P, and 15 J more if joints stretch.
+    assert_eq!(len(Predictor::Rotational, SMALL, 0), 87);
+    assert_eq!(len(Predictor::Rotational, STRETCHING, 0), 87 + 60);
+    // The features and the correction, and 9 J more if joints stretch; nothing without a correction.
+    assert_eq!(len(Predictor::Kernel, SMALL, 40), 48 + 40);
+    assert_eq!(len(Predictor::Kernel, STRETCHING, 40), 75 + 36 + 40);
+    assert_eq!(len(Predictor::Kernel, JOINTLESS, 40), 5 + 40);
+    assert_eq!(len(Predictor::Kernel, STRETCHING, 0), 0);
+    for (predictor, shape) in each() {
+        with_predictor(predictor, shape, |envelope| {
             let correction = if predictor.corrects() { 56 } else { 0 };
             assert_eq!(envelope.correction_len(), correction);
-            assert_eq!(envelope.scratch_len(), scratch_len(4, 3, correction));
+            assert_eq!(envelope.scratch_len(), len(predictor, shape, correction as u32));
             // The previous content does not matter.
             let pose = random_pose(&envelope, &mut Rng(9), 0.2);
+            let curves = vec![0.25; envelope.curve_len()];
             let palettes = [0.0, f32::NAN, -3.0].map(|content| {
                 let mut scratch = vec![content; envelope.scratch_len()];
                 let mut out = vec![[[content; 4]; 3]; envelope.palette_len()];
-                envelope.palette(&pose, &mut scratch, &mut out).unwrap();
+                envelope.palette(&pose, &curves, &mut scratch, &mut out).unwrap();
                 out
             });
             assert!(palettes[0] == palettes[1] && palettes[1] == palettes[2]);

@@ -1,7 +1,7 @@
 //! The stage `shapes`: sums, normals, tangents, bounds, and refused calls.
 
 use crate::common::{IDENTITY, bits, call_error, length_error, output, short_error};
-use models::{Pieces, Rng, Shape, ShapeContent, direction};
+use models::{Pieces, Rng, SMALL, Shape, ShapeContent, direction};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
 use sinew_runtime::skin::{BLOCK, Rest, cells};
@@ -14,14 +14,7 @@ const ELEMENTS: [Element; 3] = [Element::F32, Element::F16, Element::I8];
 const VERTICES: usize = 2 * BLOCK + 9;
 const SHAPES: usize = 8;
 
-const SHAPE: Shape = Shape {
-    vertices: VERTICES,
-    joints: 4,
-    proxies: 3,
-    influences: 2,
-    tangents: true,
-    coefficients: false,
-};
+const SHAPE: Shape = Shape { vertices: VERTICES, coefficients: false, ..SMALL };
 
 /// A skin with shapes, and the content of its shapes.
 fn shaped(element: Element, shape: Shape) -> (Model<Vec<u8>>, ShapeContent) {

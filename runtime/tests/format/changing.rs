@@ -2,7 +2,7 @@
 
 use crate::common::{IDENTITY, apart, confident_palette, job, output};
 use crate::format::ownership::version;
-use models::{KernelContent, Pieces, Rng, SMALL, TINY, seal};
+use models::{KernelContent, Pieces, Rng, SMALL, Shape, TINY, seal};
 use sinew_runtime::envelope::{EnvelopeLayout, Predictor, ScratchLayout};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::kernel::Kernel;
@@ -188,6 +188,7 @@ fn read_envelope(envelope: &Envelope<'_>) -> Astray {
     for joint in some(j) {
         let _ = (envelope.joint_name(joint), envelope.inverse_bind(joint));
         let _ = (envelope.origin(joint), envelope.pose_range(joint), envelope.pose_gap(joint));
+        let _ = envelope.stretch_range(joint);
         astray.parent |= envelope.parent(joint).is_some_and(|parent| parent >= j);
     }
     astray.parent |= envelope.evaluation_order().any(|joint| joint >= j);
@@ -197,11 +198,15 @@ fn read_envelope(envelope: &Envelope<'_>) -> Astray {
         astray.key |= key.is_some_and(|key| key.joint >= j || residual(key) >= j);
         let _ = (envelope.c1(4 * p.min(64), proxy), envelope.c2(proxy, j));
     }
+    for curve in some(envelope.curve_len()) {
+        let _ = (envelope.curve_name(curve), envelope.curve_range(curve));
+    }
+    let feature_len = envelope.counts().feature_len();
     for group in envelope.groups().take(64) {
-        astray.group |= group.joint >= j || group.proxies.end > p;
+        astray.group |= j > 0 && group.joint >= j || group.proxies.end > p;
         let (d, n) = (group.input_len(), group.centre_len());
         for i in some(d) {
-            astray.input |= group.input(i).is_some_and(|(feature, _)| feature >= 12 * j);
+            astray.input |= group.input(i).is_some_and(|(feature, _)| feature >= feature_len);
             let _ = (group.centre(n, i), group.centre(0, i), group.coefficient(0, n + i.min(d)));
         }
         let _ = (group.rest(n), group.output(0, 0), group.rank());
@@ -209,11 +214,11 @@ fn read_envelope(envelope: &Envelope<'_>) -> Astray {
     let _ = envelope.group(envelope.group_len());
     let _ = ScratchLayout::at_once(envelope);
     let scratch_len = envelope.scratch_len();
-    if j.max(len).max(scratch_len).max(p) <= MOST {
+    if j.max(len).max(scratch_len).max(p).max(feature_len) <= MOST {
         evaluate_envelope(envelope);
     } else {
-        let _ = envelope.palette(&[], &mut [], &mut []);
-        let _ = envelope.palettes(&[], &mut [], &mut [], &mut [0.0]);
+        let _ = envelope.palette(&[], &[], &mut [], &mut []);
+        let _ = envelope.palettes(&[], &[], &mut [], &mut [], &mut [0.0]);
     }
     astray
 }
@@ -226,19 +231,26 @@ fn evaluate_envelope(envelope: &Envelope<'_>) {
     pose.iter_mut().flatten().flatten().for_each(|x| *x = if x.is_finite() { *x } else { 0.0 });
     let mut out = vec![IDENTITY; 2 * len];
     let mut scratch = vec![0.0; envelope.scratch_len().max(envelope.correction_len())];
-    let _ = envelope.palette(&pose, &mut scratch, &mut out[..len]);
+    let (c, split) = (envelope.curve_len(), if envelope.stretches() { j } else { 0 });
+    let (curves, two) = (vec![0.5; c], vec![0.5; 2 * c]);
+    let _ = envelope.palette(&pose, &curves, &mut scratch, &mut out[..len]);
     let _ = envelope.rotational_palette(&pose, &mut scratch, &mut out[..len]);
     let poses = [pose.as_slice(), &pose].concat();
-    let _ = envelope.palettes(&poses, &mut scratch, &mut out, &mut [0.0; 2]);
+    let _ = envelope.palettes(&poses, &two, &mut scratch, &mut out, &mut [0.0; 2]);
+    let _ = envelope.joint_confidences(&pose, &curves, &mut scratch, &mut vec![0.0; j]);
+    let _ = (envelope.check_pose(&pose, &curves), envelope.bind_curves(["blink"], &mut [0]));
+    let (mut turns, mut strains) = (vec![[[0.0; 3]; 3]; split], vec![[0.0; 6]; split]);
+    let _ = stages::polar(envelope, &pose, &mut turns, &mut strains);
     let (mut q, mut theta) = (vec![[0.0; 3]; 4 * j], vec![[0.0; 3]; j]);
-    let (mut d, mut features) = (vec![[0.0; 3]; 3 * p], vec![IDENTITY; j]);
-    let _ = stages::gradients(envelope, &pose, &mut q, &mut theta, &mut d);
+    let (mut d, mut features) = (vec![[0.0; 3]; 3 * p], vec![0.0; envelope.counts().feature_len()]);
+    let of_pose = (&turns[..], &strains[..]);
+    let _ = stages::gradients(envelope, &pose, of_pose, &mut q, &mut theta, &mut d);
     let root = pose.first().copied().unwrap_or(IDENTITY);
     let _ = stages::palette(envelope, &root, &q, &d, &mut out[..len]);
     let _ = stages::joints(envelope, &pose, &mut out[..len]);
-    let _ = stages::features(envelope, &pose, &mut features);
+    let _ = stages::features(envelope, &pose, &curves, &turns, &mut features);
     let _ = stages::correction(envelope, &pose, &features, &mut scratch, &mut out[..len]);
-    let _ = stages::confidence(envelope, &theta);
+    let _ = stages::confidence(envelope, &pose, &theta, &strains);
 }
 
 fn read_skin(skin: Skin<'_>) -> Astray {
@@ -274,9 +286,13 @@ fn read_skin(skin: Skin<'_>) -> Astray {
     astray
 }
 
-/// A sample of each predictor, one of several small parts, one of kernels, and one of key views.
+/// A sample of each predictor, one of each whose joints stretch, one without joints, one of several
+/// small parts, one of kernels, and one of key views.
 fn sound() -> Vec<Vec<u8>> {
     let samples = Predictor::ALL.map(|predictor| Pieces::sample(predictor, TINY));
+    let stretching = Shape { stretches: true, curves: 2, ..TINY };
+    let stretching = Predictor::ALL.map(|predictor| Pieces::sample(predictor, stretching));
+    let jointless = Pieces::sample(Predictor::Kernel, Shape { joints: 0, curves: 2, ..TINY });
     let several = samples.each_ref().map(Pieces::clone).into_iter();
     let several = several.reduce(|mut all, next| {
         all.append(next);
@@ -288,7 +304,8 @@ fn sound() -> Vec<Vec<u8>> {
     let [_, views] = Pieces::viewed();
     samples
         .iter()
-        .chain([&several, &Pieces::kernels(&kernels), &views])
+        .chain(&stretching)
+        .chain([&jointless, &several, &Pieces::kernels(&kernels), &views])
         .map(Pieces::bytes)
         .collect()
 }

@@ -2,11 +2,11 @@
 
 use crate::common::{envelope_error, exercise, skin_error};
 use crate::format::{edited, error};
-use models::{Content, Pieces, SMALL, Shape, words};
+use models::{Content, Pieces, SMALL, STRETCHING, Shape, words};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::skin::{LENGTH_TOLERANCE, NO_ENVELOPE};
-use sinew_runtime::{FileError, FileErrorKind as Kind};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
 #[test]
 fn each_float_is_checked() {
@@ -47,6 +47,96 @@ fn each_float_is_checked() {
         let error = envelope_error(Kind::Float, SectionKind::Certificate);
         assert_eq!(refused, Err(FileError { index: index as u32, ..error }));
     }
+}
+
+/// Loads a sample whose joints stretch after `edit`.
+fn stretched(predictor: Predictor, edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
+    let mut pieces = Pieces::sample(predictor, STRETCHING);
+    edit(&mut pieces);
+    Model::from_bytes(pieces.bytes()).map(|_| ())
+}
+
+#[test]
+fn each_float_of_stretches_and_curves_is_checked() {
+    let sections = [
+        (Predictor::Rotational, SectionKind::StretchRanges, 4),
+        (Predictor::Kernel, SectionKind::StretchRanges, 4),
+        (Predictor::Rotational, SectionKind::KeyStretches, 3 * 36),
+        (Predictor::Kernel, SectionKind::CurveRanges, 6),
+    ];
+    for (predictor, section, len) in sections {
+        for index in [0, 3, len - 1] {
+            let wrong = FileError { index: index as u32, ..envelope_error(Kind::Float, section) };
+            for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.1e9, -1.1e9] {
+                let refused = stretched(predictor, |b| b.set_float(section, index, value));
+                assert_eq!(refused, Err(wrong), "{section:?} {value}");
+            }
+            // A range of strains is not negative.
+            let negative = stretched(predictor, |b| b.set_float(section, index, -1e-3));
+            let is_refused = negative == Err(wrong);
+            assert_eq!(is_refused, section == SectionKind::StretchRanges, "{section:?} {index}");
+        }
+    }
+}
+
+#[test]
+fn the_least_of_a_curve_is_not_above_its_greatest() {
+    let section = SectionKind::CurveRanges;
+    let set = |least, most| {
+        stretched(Predictor::Kernel, |b| {
+            b.set_float(section, 2, least);
+            b.set_float(section, 3, most);
+        })
+    };
+    let wrong = Err(FileError { index: 1, ..envelope_error(Kind::Invalid, section) });
+    for (least, most) in [(0.0, 0.0), (-1.0, 1.0), (-2.0, -1.0), (3.0, 3.0f32.next_up())] {
+        assert_eq!(set(least, most), Ok(()), "{least} {most}");
+    }
+    for (least, most) in [(1.0, 0.0), (3.0f32.next_up(), 3.0), (1.0, -1.0)] {
+        assert_eq!(set(least, most), wrong, "{least} {most}");
+    }
+}
+
+#[test]
+fn stretches_and_curves_belong_to_their_predictors() {
+    let counts =
+        |kind, index| FileError { index, ..envelope_error(kind, SectionKind::EnvelopeCounts) };
+    let section = SectionKind::EnvelopeCounts;
+    for predictor in Predictor::ALL {
+        for found in [2, 256, u32::MAX] {
+            let refused = stretched(predictor, |b| b.set_word(section, 6, found));
+            let expected = FileError { expected: 1, found, ..counts(Kind::Limit, 6) };
+            assert_eq!(refused, Err(expected));
+        }
+        // The sections of stretches without the flag, and the flag without the sections.
+        let ranges = envelope_error(Kind::Unexpected, SectionKind::StretchRanges);
+        assert_eq!(stretched(predictor, |b| b.set_word(section, 6, 0)), Err(ranges));
+        let missing = edited_of(predictor, |b| b.set_word(section, 6, 1));
+        let ranges = envelope_error(Kind::Missing, SectionKind::StretchRanges);
+        assert_eq!(missing, Err(ranges));
+    }
+    let curves = stretched(Predictor::Rotational, |b| b.set_word(section, 7, 1));
+    assert_eq!(curves, Err(FileError { found: 1, ..counts(Kind::Limit, 7) }));
+    let most = stretched(Predictor::Kernel, |b| b.set_word(section, 7, u32::MAX));
+    let expected = FileError { expected: 4096, found: u32::MAX, ..counts(Kind::Limit, 7) };
+    assert_eq!(most, Err(expected));
+    // Another number of curves needs another length.
+    let longer = stretched(Predictor::Kernel, |b| b.set_word(section, 7, 4));
+    let expected = FileError {
+        expected: 32,
+        found: 24,
+        ..envelope_error(Kind::Length, SectionKind::CurveRanges)
+    };
+    assert_eq!(longer, Err(expected));
+    let phrase = curves.unwrap_err().to_string();
+    assert_eq!(phrase, "part 0: curves: at most 0 allowed, found 1");
+}
+
+/// Loads a small sample after `edit`.
+fn edited_of(predictor: Predictor, edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
+    let mut pieces = Pieces::small(predictor);
+    edit(&mut pieces);
+    Model::from_bytes(pieces.bytes()).map(|_| ())
 }
 
 #[test]

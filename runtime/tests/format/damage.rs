@@ -2,7 +2,7 @@
 
 use crate::common::{apart, exercise, file_error};
 use crate::format::error;
-use models::{Pieces, Rng, TINY, head, seal};
+use models::{Pieces, Rng, Shape, TINY, head, seal};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{SectionKind, SectionRow};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
@@ -68,10 +68,20 @@ fn extra_bytes_are_refused() {
 
 #[test]
 fn every_flipped_bit_is_refused_and_harmless_when_sealed() {
-    let bytes = Pieces::sample(Predictor::Rotational, TINY).bytes();
+    for (predictor, shape) in [
+        (Predictor::Rotational, TINY),
+        (Predictor::Rotational, Shape { stretches: true, ..TINY }),
+        (Predictor::Kernel, Shape { stretches: true, curves: 2, ..TINY }),
+        (Predictor::Kernel, Shape { joints: 0, curves: 2, ..TINY }),
+    ] {
+        flipped_bits(&Pieces::sample(predictor, shape).bytes());
+    }
+}
+
+fn flipped_bits(bytes: &[u8]) {
     let mut loaded = 0;
     for bit in (0..8 * bytes.len()).step_by(apart(499)) {
-        let mut flipped = bytes.clone();
+        let mut flipped = bytes.to_vec();
         flipped[bit / 8] ^= 1 << (bit % 8);
         assert!(Model::from_bytes(&flipped).is_err(), "{bit}");
         seal(&mut flipped);

@@ -2,7 +2,7 @@
 
 use crate::common::{apart, envelope_error, exercise};
 use crate::format::error;
-use models::{GroupContent, Pieces, Rng, SMALL, Shape, sample_groups, seal};
+use models::{GroupContent, JOINTLESS, Pieces, Rng, SMALL, STRETCHING, Shape, sample_groups, seal};
 use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow, Predictor};
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
@@ -24,7 +24,7 @@ fn row(edit: impl Fn(&mut GroupRow)) -> Result<(), FileError> {
 
 #[test]
 fn accessors_give_what_was_written() {
-    let groups = sample_groups(SMALL.joints, SMALL.proxies);
+    let groups = sample_groups(SMALL);
     assert_eq!(groups.len(), 2);
     let model = Model::from_bytes(Pieces::small(Predictor::Kernel).bytes()).unwrap();
     let envelope = model.envelope().unwrap();
@@ -92,10 +92,11 @@ fn every_truncation_and_every_changed_byte_is_harmless() {
         influences: 1,
         tangents: false,
         coefficients: false,
+        ..SMALL
     };
     let mut pieces = Pieces::sample(Predictor::Kernel, shape);
     let mut rng = Rng(5);
-    let group = |rng: &mut Rng, sizes| GroupContent::sample(rng, 2, 1, sizes);
+    let group = |rng: &mut Rng, sizes| GroupContent::sample(rng, shape, 1, sizes);
     pieces.set_groups(&[group(&mut rng, [3, 2, 2]), group(&mut rng, [1, 3, 1])]);
     let bytes = pieces.bytes();
     exercise(&bytes).unwrap();
@@ -137,7 +138,7 @@ fn each_field_of_a_group_is_checked() {
     for edit in [(|r| r.proxy_len = 0) as fn(&mut GroupRow), |r| r.input_len = 0, |r| r.rank = 0] {
         assert_eq!(row(edit), Err(empty));
     }
-    let expected = sample_groups(4, 3)[0].words().len() as u32 / 4;
+    let expected = sample_groups(SMALL)[0].words().len() as u32 / 4;
     for found in [0, expected - 8, expected + 1, u32::MAX] {
         let offset = FileError { expected, found, ..group(Kind::Mismatch) };
         assert_eq!(row(|r| r.offset = found), Err(offset));
@@ -205,7 +206,7 @@ fn confidence_numbers_are_finite_and_not_negative() {
     // Without centres the confidence is 0, but the numbers must still be valid.
     let without = |reach, noise| {
         edited(|b| {
-            let mut groups = sample_groups(4, 3);
+            let mut groups = sample_groups(SMALL);
             groups[1].centres.clear();
             groups[1].inputs.clear();
             groups[1].certainty = 0;
@@ -222,7 +223,7 @@ fn confidence_numbers_are_finite_and_not_negative() {
 fn each_number_of_a_correction_is_checked() {
     let section = SectionKind::Corrections;
     let len = Pieces::small(Predictor::Kernel).section(section).len() / 4;
-    let groups = sample_groups(4, 3);
+    let groups = sample_groups(SMALL);
     let first = groups[0].words().len() / 4;
     // Features come first in each group, 5 and then 9 in whole blocks.
     let feature = |at: usize| at < 8 || (first..first + 16).contains(&at);
@@ -249,6 +250,23 @@ fn each_number_of_a_correction_is_checked() {
         let refused = edited(|b| b.set_float(SectionKind::Origins, 7, value));
         let error = envelope_error(Kind::Float, SectionKind::Origins);
         assert_eq!(refused, Err(FileError { index: 7, ..error }));
+    }
+}
+
+#[test]
+fn inputs_may_be_strains_and_curves() {
+    let section = SectionKind::Corrections;
+    for (shape, features) in [(STRETCHING, 12 * 4 + 6 * 4 + 3), (JOINTLESS, 5)] {
+        let set = |feature: u32| {
+            let mut pieces = Pieces::sample(Predictor::Kernel, shape);
+            pieces.set_word(section, 2, feature);
+            Model::from_bytes(pieces.bytes()).map(|_| ())
+        };
+        assert_eq!(set(features - 1), Ok(()));
+        for found in [features, u32::MAX] {
+            let error = envelope_error(Kind::Index, section);
+            assert_eq!(set(found), Err(FileError { index: 2, expected: features, found, ..error }));
+        }
     }
 }
 

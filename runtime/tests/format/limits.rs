@@ -2,7 +2,7 @@
 
 use crate::common::{envelope_error, file_error, skin_error};
 use crate::format::edited;
-use models::{Content, Pieces, SMALL, Shape, ShapeContent};
+use models::{Content, Pieces, SMALL, STRETCHING, Shape, ShapeContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, PartRow, SectionKind};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
@@ -21,6 +21,7 @@ fn limits_are_honoured() {
         proxies: SMALL.proxies as u32,
         influences: SMALL.influences as u32,
         shapes: 3,
+        curves: 0,
     };
     assert!(Model::from_bytes_with(&bytes, &exact).is_ok());
     let refused = |limits: Limits, error: FileError, most| {
@@ -41,6 +42,11 @@ fn limits_are_honoured() {
     refused(Limits { proxies: 2, ..exact }, envelope(2), 2);
     refused(Limits { influences: 1, ..exact }, skin(1), 1);
     refused(Limits { shapes: 2, ..exact }, skin(4), 2);
+    let bytes = Pieces::sample(Predictor::Kernel, STRETCHING).bytes();
+    let exact = Limits { curves: 3, ..Limits::DEFAULT };
+    assert!(Model::from_bytes_with(&bytes, &exact).is_ok());
+    let found = Model::from_bytes_with(&bytes, &Limits { curves: 2, ..exact }).unwrap_err();
+    assert_eq!(found, FileError { expected: 2, found: 3, ..envelope(7) });
     for at in [1, 2] {
         let section = SectionKind::EnvelopeCounts;
         let empty = FileError { index: at, expected: 1, ..envelope_error(Kind::Empty, section) };

@@ -1,11 +1,11 @@
 //! Valid files, and their content after loading.
 
-use crate::common::{apart, exercise, skinned};
-use models::{Content, Pieces, SMALL, floats};
-use sinew_runtime::Model;
-use sinew_runtime::envelope::Predictor;
+use crate::common::{apart, envelope_error, exercise, skinned};
+use models::{Content, JOINTLESS, Pieces, SMALL, STRETCHING, floats};
+use sinew_runtime::envelope::{NO_JOINT, Predictor};
 use sinew_runtime::format::{SectionKind, Space};
 use sinew_runtime::skin::NormalErrors;
+use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
 
 #[test]
 fn a_sound_file_loads_at_any_address() {
@@ -88,8 +88,81 @@ fn accessors_give_what_was_written() {
     assert_eq!((model.parts().len(), model.sections().len()), (2, 20));
     assert_eq!((model.as_bytes(), model.space()), (bytes.as_slice(), Space::default()));
     let first = model.sections().next().unwrap();
-    assert_eq!(model.blob()[..24], *first.bytes);
+    assert_eq!(model.blob()[..32], *first.bytes);
     assert_eq!(model.into_bytes(), bytes);
+}
+
+#[test]
+fn stretches_and_curves_are_read_back() {
+    for predictor in Predictor::ALL {
+        let mut pieces = Pieces::sample(predictor, STRETCHING);
+        let model = Model::from_bytes(pieces.bytes()).unwrap();
+        let envelope = model.envelope().unwrap();
+        assert!(envelope.stretches());
+        let ranges = [0, 1, 2, 3, 4].map(|joint| envelope.stretch_range(joint));
+        assert_eq!(ranges, [Some(0.0), Some(0.25), Some(0.5), Some(0.0), None]);
+        let curves = if predictor.corrects() { 3 } else { 0 };
+        assert_eq!((envelope.curve_len(), envelope.counts().curve_len), (curves, curves as u32));
+        let expected = [Some([0.0, 1.0]), Some([-0.5, 0.5]), Some([0.25, 2.0])];
+        let found = (0..curves).map(|curve| envelope.curve_range(curve)).collect::<Vec<_>>();
+        assert_eq!(found, expected[..curves]);
+        assert_eq!((envelope.curve_range(curves), envelope.curve_name(curves)), (None, None));
+        // Joints keep their names before the curves'.
+        assert_eq!((envelope.joint_name(3), envelope.joint_name(4)), (Some("joint 3"), None));
+        let features = if predictor.corrects() { 12 * 4 + 6 * 4 + 3 } else { 12 * 4 + 6 * 4 };
+        assert_eq!(envelope.counts().feature_len(), features);
+        let keys = (0..3).filter_map(|proxy| envelope.key(proxy)?.stretch);
+        let stretches = keys.flatten().flatten().collect::<Vec<_>>();
+        let written = pieces.find(SectionKind::KeyStretches).cloned().unwrap_or_default();
+        assert_eq!(floats(&stretches), written);
+        assert_eq!(stretches.len(), if predictor.reconstructs() { 3 * 36 } else { 0 });
+    }
+    // A rigid model has none of them.
+    let model = Model::from_bytes(Pieces::small(Predictor::Rotational).bytes()).unwrap();
+    let envelope = model.envelope().unwrap();
+    assert!(!envelope.stretches() && envelope.key(0).unwrap().stretch.is_none());
+    assert_eq!((envelope.stretch_range(3), envelope.stretch_range(4)), (Some(0.0), None));
+    assert_eq!((envelope.curve_len(), envelope.curve_range(0)), (0, None));
+}
+
+#[test]
+fn a_model_may_follow_curves_alone() {
+    let bytes = Pieces::sample(Predictor::Kernel, JOINTLESS).bytes();
+    exercise(&bytes).unwrap();
+    let model = Model::from_bytes(bytes).unwrap();
+    let envelope = model.envelope().unwrap();
+    assert_eq!((envelope.joint_len(), envelope.root(), envelope.curve_len()), (0, 0, 5));
+    assert_eq!((envelope.palette_len(), envelope.counts().feature_len()), (3, 5));
+    assert_eq!(envelope.evaluation_order().len(), 0);
+    assert_eq!(
+        (envelope.parent(0), envelope.inverse_bind(0), envelope.origin(0)),
+        (None, None, None)
+    );
+    assert!(envelope.groups().all(|group| group.joint == usize::from(NO_JOINT)));
+    assert_eq!(model.skin().unwrap().palette_len(), 3);
+    // Without curves there must be joints, and without joints helpers.
+    let refused = |edit: &dyn Fn(&mut Pieces)| {
+        let mut pieces = Pieces::sample(Predictor::Kernel, JOINTLESS);
+        edit(&mut pieces);
+        Model::from_bytes(pieces.bytes()).unwrap_err()
+    };
+    let counts =
+        |kind, index| FileError { index, ..envelope_error(kind, SectionKind::EnvelopeCounts) };
+    let set = |index: usize, value| {
+        refused(&|pieces| pieces.set_word(SectionKind::EnvelopeCounts, index, value))
+    };
+    assert_eq!(set(7, 0), FileError { expected: 1, ..counts(Kind::Empty, 1) });
+    assert_eq!(set(2, 0), FileError { expected: 1, ..counts(Kind::Empty, 2) });
+    assert_eq!(set(6, 1), FileError { found: 1, ..counts(Kind::Limit, 6) });
+    assert_eq!(set(3, 1), counts(Kind::Invalid, 3));
+    let joint = refused(&|pieces| pieces.edit_group(1, |row| row.joint = 0));
+    let index = FileError { index: 1, ..envelope_error(Kind::Index, SectionKind::Groups) };
+    assert_eq!(joint, index);
+    // With joints a group must have one.
+    let mut pieces = Pieces::small(Predictor::Kernel);
+    pieces.edit_group(1, |row| row.joint = NO_JOINT);
+    let found = Model::from_bytes(pieces.bytes()).unwrap_err();
+    assert_eq!(found, FileError { expected: 4, found: NO_JOINT.into(), ..index });
 }
 
 #[test]

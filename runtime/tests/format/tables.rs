@@ -2,7 +2,7 @@
 
 use crate::common::file_error;
 use crate::format::{edited, error};
-use models::{Content, Pieces};
+use models::{Content, JOINTLESS, Pieces, SMALL, STRETCHING};
 use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, Predictor};
 use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind, SectionRow};
 use sinew_runtime::skin::{SKIN_SECTIONS, SkinCounts};
@@ -128,9 +128,11 @@ fn each_section_has_the_type_of_its_kind() {
 
 #[test]
 fn each_section_is_required_and_has_its_length() {
-    for predictor in Predictor::ALL {
+    let samples = Predictor::ALL.map(|each| [SMALL, STRETCHING].map(|s| Pieces::sample(each, s)));
+    let jointless = Pieces::sample(Predictor::Kernel, JOINTLESS);
+    for sample in samples.iter().flatten().chain([&jointless]) {
         for (part, section) in [0, 1].into_iter().flat_map(|p| SectionKind::ALL.map(|s| (p, s))) {
-            section_of(predictor, part, section);
+            section_of(sample, part, section);
         }
     }
     let huge = EnvelopeCounts {
@@ -140,6 +142,8 @@ fn each_section_is_required_and_has_its_length() {
         root: 0,
         group_len: u32::MAX,
         correction_len: u32::MAX,
+        stretches: true,
+        curve_len: 0,
     };
     assert_eq!(huge.section_bytes(SectionKind::C2), None);
     assert_eq!(huge.section_bytes(SectionKind::Names), Some(1 << 34));
@@ -156,14 +160,14 @@ fn each_section_is_required_and_has_its_length() {
     assert_eq!(huge.section_bytes(SectionKind::Names, 1, Element::F32), Some(1 << 34));
 }
 
-fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
+fn section_of(sample: &Pieces, part: u16, section: SectionKind) {
     let edited = |edit: &dyn Fn(&mut Pieces)| {
-        let mut pieces = Pieces::small(predictor);
+        let mut pieces = sample.clone();
         edit(&mut pieces);
         Model::from_bytes(pieces.bytes()).map(|_| ())
     };
     let error = |kind| FileError { part: Some(part), section: Some(section), ..file_error(kind) };
-    let model = Model::from_bytes(Pieces::small(predictor).bytes()).unwrap();
+    let model = Model::from_bytes(sample.bytes()).unwrap();
     let (envelope, skin) = (model.envelope().unwrap().counts(), model.skin().unwrap().counts());
     let (own, has) = match part {
         0 => (ENVELOPE_SECTIONS.as_slice(), Some(envelope.has(section))),
@@ -172,7 +176,7 @@ fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
     let own = own.contains(&section);
     if !own || has == Some(false) {
         // A section of another kind of part is ignored, unless it is required.
-        let row = Pieces::small(predictor).sections.len() as u32;
+        let row = sample.sections.len() as u32;
         let unknown = FileError {
             part: Some(part),
             index: row,
@@ -187,26 +191,27 @@ fn section_of(predictor: Predictor, part: u16, section: SectionKind) {
                 (false, 0) => Ok(()),
                 (false, _) => Err(unknown),
             };
-            assert_eq!(found, expected, "{predictor:?} {section:?}");
+            assert_eq!(found, expected, "{envelope:?} {section:?}");
         }
         return;
     }
     let is_it = |content: &Content| (content.part, content.kind) == (part, section.number());
     let without = edited(&|b| b.sections.retain(|content| !is_it(content)));
     assert_eq!(without, if has.is_none() { Ok(()) } else { Err(error(Kind::Missing)) });
-    for change in [-1, 1] {
+    let found = sample.clone().section_of(part, section).len();
+    for change in [-1, 1].into_iter().filter(|change| *change > 0 || found > 0) {
         let refused = edited(&|b| {
             let content = b.section_of(part, section);
             content.resize(content.len().wrapping_add_signed(change), 0);
         });
         if section == SectionKind::Names {
             // The last name must end with the text.
-            let last = if part == 0 { envelope.joint_len } else { skin.range_len };
+            let of_envelope = envelope.joint_len + envelope.curve_len;
+            let last = if part == 0 { of_envelope } else { skin.range_len };
             let expected = FileError { index: last, ..error(Kind::Invalid) };
             assert_eq!(refused, Err(expected));
             continue;
         }
-        let found = Pieces::small(predictor).section_of(part, section).len();
         let stated = match (part, section) {
             (_, SectionKind::Corrections) => Some(found as u64),
             (0, _) => envelope.section_bytes(section),

@@ -5,7 +5,7 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::{GroupKernel, Predictor};
-use sinew_trainer::envelope::model::{Group, Input};
+use sinew_trainer::envelope::model::{Feature, Group, Input};
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::path::PathBuf;
@@ -50,6 +50,8 @@ fn bar(predictor: Predictor) -> Vec<u8> {
         influences: 4,
         tangents: true,
         coefficients: false,
+        stretches: false,
+        curves: 0,
     };
     let groups = if predictor.corrects() { groups(shape) } else { Vec::new() };
     random_with(shape, groups, vec![10.0; shape.joints])
@@ -66,7 +68,10 @@ fn groups(shape: Shape) -> Vec<Group> {
     let group = |g: usize| {
         let joint = 2 * g;
         let first = joint.saturating_sub(2).min(shape.joints - 5)..;
-        let rotation = |j: usize| (0..3).flat_map(move |r| (0..3).map(move |c| 12 * j + 4 * r + c));
+        let rotation = |joint: usize| {
+            let entries = (0..12).filter(|entry| entry % 4 < 3);
+            entries.map(move |entry| Feature::Joint { joint, entry })
+        };
         let inputs: Vec<_> = first
             .take(5)
             .flat_map(rotation)

@@ -6,6 +6,7 @@ use crate::kernels::KernelSubject;
 use crate::shapes::ShapeSubject;
 use sinew_gpu::headless::HeadlessError;
 use sinew_gpu::layout::{Attribute, LayoutError, ShapesBatch, SkinBatch, Stage};
+use sinew_runtime::envelope::STRAIN_LEN;
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin};
 use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
 use sinew_trainer::regression::arithmetic::Arithmetic;
@@ -42,14 +43,40 @@ impl<'a> Loaded<'a> {
     }
 }
 
-/// An implementation of the stages. `poses` are n J matrices, instance after instance; so are all
-/// other inputs and outputs. Outputs come poisoned, and a backend must write every float.
+/// Poses of n instances, instance after instance.
+#[derive(Clone, Copy, Debug)]
+pub struct Poses<'a> {
+    /// Number of instances, n. A model without joints does not show it in `joints`.
+    pub len: usize,
+    /// Skinning matrices, n J.
+    pub joints: &'a [Matrix3x4],
+    /// Values of the curves, n C.
+    pub curves: &'a [f32],
+}
+
+impl<'a> Poses<'a> {
+    /// Returns the pose of instance i.
+    #[must_use]
+    pub fn one(self, i: usize) -> Self {
+        let Self { len, joints, curves } = self;
+        Self { len: 1, joints: part(joints, len, i), curves: part(curves, len, i) }
+    }
+}
+
+/// An implementation of the stages. All inputs and outputs are instance after instance. Outputs come
+/// poisoned, and a backend must write every float.
 pub trait Backend {
     /// Returns the precision of the backend's arithmetic.
     fn arithmetic(&self) -> Arithmetic;
 
     /// Whether the backend evaluates a stage of an envelope and its skin alone.
     fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool;
+
+    /// Evaluates the rotations and the strains of joints that stretch.
+    ///
+    /// # Errors
+    /// [`Failure`]
+    fn polar(&self, loaded: &Loaded<'_>, poses: Poses<'_>, out: &mut Split) -> Result<(), Failure>;
 
     /// Evaluates the joints' relative transforms, their rotations and the keys' gradients.
     ///
@@ -58,7 +85,8 @@ pub trait Backend {
     fn gradients(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
         out: &mut Gradients,
     ) -> Result<(), Failure>;
 
@@ -69,7 +97,7 @@ pub trait Backend {
     fn palette(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         input: &Gradients,
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure>;
@@ -81,19 +109,21 @@ pub trait Backend {
     fn joints(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure>;
 
-    /// Evaluates the joints' features, n J matrices.
+    /// Evaluates the features, all of an instance in the order of a file. The strains are copied
+    /// from `split`.
     ///
     /// # Errors
     /// [`Failure`]
     fn features(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        out_features: &mut [Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
+        out_features: &mut [f32],
     ) -> Result<(), Failure>;
 
     /// Adds the results of the kernel maps to the palettes, which hold the base.
@@ -103,8 +133,8 @@ pub trait Backend {
     fn correction(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        features: &[Matrix3x4],
+        poses: Poses<'_>,
+        features: &[f32],
         out_palettes: &mut [Matrix3x4],
         out_confidences: &mut [f32],
     ) -> Result<(), Failure>;
@@ -116,7 +146,9 @@ pub trait Backend {
     fn confidence(
         &self,
         loaded: &Loaded<'_>,
+        poses: Poses<'_>,
         rotations: &[[f32; 3]],
+        split: &Split,
         out_confidences: &mut [f32],
     ) -> Result<(), Failure>;
 
@@ -169,7 +201,7 @@ pub trait Backend {
     fn whole(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure>;
@@ -197,6 +229,23 @@ pub enum Failure {
         /// Index of the float in the buffer.
         float: usize,
     },
+}
+
+/// Outputs of stage polar, which later stages read; empty if no joint stretches.
+#[derive(Clone, Debug)]
+pub struct Split {
+    /// Rotations as three columns, J an instance.
+    pub turns: Vec<[[f32; 3]; 3]>,
+    /// Strains, J an instance.
+    pub strains: Vec<[f32; STRAIN_LEN]>,
+}
+
+impl Split {
+    /// Returns poisoned outputs for n instances.
+    pub fn poisoned(envelope: &Envelope<'_>, n: usize) -> Self {
+        let len = if envelope.stretches() { n * envelope.joint_len() } else { 0 };
+        Self { turns: vec![[[POISON; 3]; 3]; len], strains: poisoned(len) }
+    }
 }
 
 /// Outputs of stage gradients, which stage palette reads.

@@ -1,6 +1,6 @@
 //! The runtime as a backend.
 
-use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, part};
+use crate::backend::{Backend, Failure, Gradients, Loaded, Poses, Split, Whole, part};
 use crate::compare::POISON;
 use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
@@ -22,6 +22,7 @@ impl Backend for Cpu {
     fn has(&self, loaded: &Loaded<'_>, stage: Stage) -> bool {
         let predictor = loaded.envelope.predictor();
         match stage {
+            Stage::Polar => loaded.envelope.stretches(),
             Stage::Gradients | Stage::Palette => predictor.reconstructs(),
             Stage::Joints => !predictor.reconstructs(),
             Stage::Features | Stage::Correction => predictor.corrects(),
@@ -31,17 +32,29 @@ impl Backend for Cpu {
         }
     }
 
+    fn polar(&self, loaded: &Loaded<'_>, poses: Poses<'_>, out: &mut Split) -> Result<(), Failure> {
+        let n = poses.len;
+        for i in 0..n {
+            let turns = part_mut(&mut out.turns, n, i);
+            let strains = part_mut(&mut out.strains, n, i);
+            stages::polar(&loaded.envelope, poses.one(i).joints, turns, strains)?;
+        }
+        Ok(())
+    }
+
     fn gradients(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
         out: &mut Gradients,
     ) -> Result<(), Failure> {
-        let n = poses.len() / loaded.envelope.joint_len();
+        let n = poses.len;
         for i in 0..n {
             stages::gradients(
                 &loaded.envelope,
-                part(poses, n, i),
+                poses.one(i).joints,
+                (part(&split.turns, n, i), part(&split.strains, n, i)),
                 part_mut(&mut out.relative, n, i),
                 part_mut(&mut out.rotations, n, i),
                 part_mut(&mut out.gradients, n, i),
@@ -53,15 +66,15 @@ impl Backend for Cpu {
     fn palette(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         input: &Gradients,
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
-        let n = poses.len() / loaded.envelope.joint_len();
+        let n = poses.len;
         for i in 0..n {
             stages::palette(
                 &loaded.envelope,
-                &part(poses, n, i)[loaded.envelope.root()],
+                &poses.one(i).joints[loaded.envelope.root()],
                 part(&input.relative, n, i),
                 part(&input.gradients, n, i),
                 part_mut(out_palettes, n, i),
@@ -73,13 +86,13 @@ impl Backend for Cpu {
     fn joints(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
-        let n = poses.len() / loaded.envelope.joint_len();
+        let n = poses.len;
         for i in 0..n {
             let out = part_mut(out_palettes, n, i);
-            stages::joints(&loaded.envelope, part(poses, n, i), out)?;
+            stages::joints(&loaded.envelope, poses.one(i).joints, out)?;
         }
         Ok(())
     }
@@ -87,13 +100,16 @@ impl Backend for Cpu {
     fn features(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        out_features: &mut [Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
+        out_features: &mut [f32],
     ) -> Result<(), Failure> {
-        let n = poses.len() / loaded.envelope.joint_len();
+        let n = poses.len;
         for i in 0..n {
-            let out = part_mut(out_features, n, i);
-            stages::features(&loaded.envelope, part(poses, n, i), out)?;
+            let (Poses { joints, curves, .. }, out) = (poses.one(i), part_mut(out_features, n, i));
+            let strains = part(&split.strains, n, i).as_flattened();
+            out[12 * joints.len()..][..strains.len()].copy_from_slice(strains);
+            stages::features(&loaded.envelope, joints, curves, part(&split.turns, n, i), out)?;
         }
         Ok(())
     }
@@ -101,17 +117,17 @@ impl Backend for Cpu {
     fn correction(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        features: &[Matrix3x4],
+        poses: Poses<'_>,
+        features: &[f32],
         out_palettes: &mut [Matrix3x4],
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
-        let n = out_confidences.len();
+        let n = poses.len;
         let mut scratch = vec![POISON; loaded.envelope.correction_len()];
         for (i, confidence) in out_confidences.iter_mut().enumerate() {
             *confidence = stages::correction(
                 &loaded.envelope,
-                part(poses, n, i),
+                poses.one(i).joints,
                 part(features, n, i),
                 &mut scratch,
                 part_mut(out_palettes, n, i),
@@ -123,12 +139,16 @@ impl Backend for Cpu {
     fn confidence(
         &self,
         loaded: &Loaded<'_>,
+        poses: Poses<'_>,
         rotations: &[[f32; 3]],
+        split: &Split,
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
-        let n = out_confidences.len();
+        let n = poses.len;
         for (i, confidence) in out_confidences.iter_mut().enumerate() {
-            *confidence = stages::confidence(&loaded.envelope, part(rotations, n, i))?;
+            let (rotations, strains) = (part(rotations, n, i), part(&split.strains, n, i));
+            let joints = poses.one(i).joints;
+            *confidence = stages::confidence(&loaded.envelope, joints, rotations, strains)?;
         }
         Ok(())
     }
@@ -209,13 +229,14 @@ impl Backend for Cpu {
     fn whole(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure> {
         let mut scratch = vec![POISON; loaded.envelope.scratch_len()];
         let (palettes, confidences) = (&mut out.palettes, &mut out.confidences);
-        loaded.envelope.palettes(poses, &mut scratch, palettes, confidences)?;
+        let Poses { joints, curves, .. } = poses;
+        loaded.envelope.palettes(joints, curves, &mut scratch, palettes, confidences)?;
         self.skin(loaded, &out.palettes, skin, &mut out.skin)
     }
 }

@@ -3,13 +3,14 @@
 use crate::backend::Loaded;
 use ::models::{Content, Pieces, halves};
 use faer::{Mat, MatRef};
-use nalgebra::{SMatrix, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::envelope::{Certificate, GroupKernel, Predictor};
+use sinew_runtime::envelope::{Certificate, GroupKernel, Predictor, STRAIN_LEN};
 use sinew_runtime::format::SectionKind;
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, Shapes, SkinModel,
+    Curve, EnvelopeModel, FeatureOrder, FileModel, Group, Input, Key, Reconstruction, Shapes,
+    Shear, SkinModel,
 };
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -38,23 +39,55 @@ pub struct Shape {
     pub tangents: bool,
     /// Whether the skin has tangent coefficients.
     pub coefficients: bool,
+    /// Whether joints stretch.
+    pub stretches: bool,
+    /// C.
+    pub curves: usize,
 }
 
 impl Shape {
     const fn new(predictor: Predictor, counts: [usize; 4], tangents: bool) -> Self {
         let [vertices, joints, proxies, influences] = counts;
-        let coefficients = false;
-        Self { predictor, vertices, joints, proxies, influences, tangents, coefficients }
+        Self {
+            predictor,
+            vertices,
+            joints,
+            proxies,
+            influences,
+            tangents,
+            coefficients: false,
+            stretches: false,
+            curves: 0,
+        }
     }
 
     const fn with_coefficients(self) -> Self {
         Self { coefficients: true, ..self }
     }
+
+    const fn stretching(self) -> Self {
+        Self { stretches: true, ..self }
+    }
+
+    const fn with_curves(self, curves: usize) -> Self {
+        Self { curves, ..self }
+    }
+
+    /// Returns the order of the features.
+    pub const fn feature_order(self) -> FeatureOrder {
+        FeatureOrder { joint_len: self.joints, stretches: self.stretches }
+    }
+
+    /// Returns the number of features.
+    pub const fn feature_len(self) -> usize {
+        let each = if self.stretches { 12 + STRAIN_LEN } else { 12 };
+        each * self.joints + self.curves
+    }
 }
 
 /// Odd counts, one and zero wherever they are allowed. The first shape with a correction has six
-/// groups.
-pub const SHAPES: [Shape; 13] = [
+/// groups. Shapes with one joint and without joints follow curves too.
+pub const SHAPES: [Shape; 19] = [
     Shape::new(Predictor::Rotational, [37, 6, 5, 4], true),
     Shape::new(Predictor::Rotational, [61, 3, 8, 3], false),
     Shape::new(Predictor::Rotational, [1, 1, 1, 1], true),
@@ -68,6 +101,12 @@ pub const SHAPES: [Shape; 13] = [
     Shape::new(Predictor::Kernel, [0, 1, 1, 1], true),
     Shape::new(Predictor::Rotational, [41, 6, 5, 4], true).with_coefficients(),
     Shape::new(Predictor::Kernel, [67, 6, 9, 4], false).with_coefficients(),
+    Shape::new(Predictor::Rotational, [43, 6, 5, 4], true).stretching(),
+    Shape::new(Predictor::Rotational, [4, 1, 2, 2], false).stretching(),
+    Shape::new(Predictor::Kernel, [47, 6, 9, 4], true).stretching().with_curves(9),
+    Shape::new(Predictor::Kernel, [6, 1, 3, 2], false).stretching().with_curves(1),
+    Shape::new(Predictor::Kernel, [53, 0, 9, 4], true).with_coefficients().with_curves(11),
+    Shape::new(Predictor::Kernel, [7, 3, 4, 3], false).with_curves(5),
 ];
 
 /// Returns the first shape of a predictor.
@@ -77,6 +116,15 @@ pub const SHAPES: [Shape; 13] = [
 pub fn shape_of(predictor: Predictor) -> Shape {
     let mut shapes = SHAPES.into_iter().filter(|shape| shape.predictor == predictor);
     shapes.next().expect("every predictor has a shape")
+}
+
+/// Returns the first shape of a predictor whose joints stretch.
+///
+/// # Panics
+/// If there is none.
+pub fn stretching_shape_of(predictor: Predictor) -> Shape {
+    let is_it = |shape: &Shape| shape.predictor == predictor && shape.stretches;
+    SHAPES.into_iter().find(is_it).expect("every predictor has a shape whose joints stretch")
 }
 
 /// Returns the model of each shape, baked once in a process.
@@ -105,7 +153,7 @@ pub fn random(shape: Shape) -> Vec<u8> {
 /// # Panics
 /// If the bake refuses the model.
 pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> Vec<u8> {
-    let Shape { predictor, vertices, joints, proxies, influences, tangents, coefficients } = shape;
+    let Shape { predictor, vertices, joints, proxies, influences, tangents, .. } = shape;
     let mut random = ChaCha8Rng::seed_from_u64(vertices as u64);
     let mut within = |size: f64| random.random_range(-size..=size);
     let root = joints / 2;
@@ -117,7 +165,8 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
     };
     let c1: Vec<_> = (0..12 * proxies * proxies).map(|_| within(0.5)).collect();
     let mut c2: Vec<_> = (0..16 * proxies * joints).map(|_| within(0.5)).collect();
-    for row in 0..4 * proxies {
+    let row_len = if joints > 0 { 4 * proxies } else { 0 };
+    for row in 0..row_len {
         let (d, q) = (&c1[3 * proxies * row..][..3 * proxies], 4 * joints * row);
         for axis in 0..3 {
             let own = c2[q..q + 4 * joints].iter().skip(axis).step_by(4).sum::<f64>();
@@ -127,15 +176,25 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
     }
     let mut matrix = |size: f64| [(); 3].map(|()| [(); 3].map(|()| within(size)));
     let keys = (0..proxies).map(|l| Key {
-        joint: (l + 1) % joints,
+        joint: (l + 1) % joints.max(1),
         twist: by_rows(matrix(1.0)),
-        residual: (l % 2 == 0).then(|| (l % joints, by_rows(matrix(0.5)))),
-        shear: by_rows([(); 6].map(|()| [(); 6].map(|()| matrix(0.2)[0][0]))),
+        residual: (l % 2 == 0).then(|| (l % joints.max(1), by_rows(matrix(0.5)))),
+        shear: {
+            let mut entries = || [(); 36].map(|()| matrix(0.2)[0][0]);
+            let (h, g) = (entries(), if shape.stretches { entries() } else { [0.0; 36] });
+            Shear::from_fn(|r, c| if c < 6 { h[6 * r + c] } else { g[6 * r + c - 6] })
+        },
     });
     let reconstruction = Reconstruction {
         keys: keys.collect(),
         c1: row_major(&c1, 4 * proxies, 3 * proxies),
         c2: row_major(&c2, 4 * proxies, 4 * joints),
+    };
+    // Some joints never stretch, and the ranges of curves need not hold 0.
+    let stretch_range = |joint: usize| [0.5, 0.0, 2.0][joint % 3];
+    let curve = |curve: usize| Curve {
+        name: format!("curve {curve}"),
+        range: [[0.0, 1.0], [-1.0, 1.0], [0.25, 0.5], [0.0, 0.0]][curve % 4],
     };
     let turned = |x: f64| UnitQuaternion::from_euler_angles(x, 2.0 * x, 3.0 * x);
     let at = |v: usize| v as f64 + 0.5;
@@ -172,13 +231,15 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
             names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
             parents: (0..joints).map(parent).collect(),
             rest: (0..joints).map(frame).collect(),
-            roots: Vec::new(),
-            unplaced: Vec::new(),
+            is_still: joints == 0,
+            ..Skeleton::default()
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
         pose_ranges,
         pose_gaps: vec![0.0; joints],
+        stretch_ranges: shape.stretches.then(|| (0..joints).map(stretch_range).collect()),
+        curves: (0..shape.curves).map(curve).collect(),
         certificate: Certificate {
             diagonal: 4.0,
             training_rms: 0.0,
@@ -191,7 +252,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
     };
     let model = FileModel { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };
     let baked = model.bake().expect("a random model can be baked");
-    if coefficients { with_coefficients(&baked, 4.0) } else { baked }
+    if shape.coefficients { with_coefficients(&baked, 4.0) } else { baked }
 }
 
 /// Gives the skin of a file random tangent coefficients up to `size`, some of them 0, replacing any
@@ -224,8 +285,8 @@ fn half_of(x: f64) -> u16 {
 }
 
 /// Returns a matrix from its rows.
-fn by_rows<const N: usize>(rows: [[f64; N]; N]) -> SMatrix<f64, N, N> {
-    SMatrix::from_fn(|r, c| rows[r][c])
+fn by_rows(rows: [[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|r, c| rows[r][c])
 }
 
 /// Returns a matrix from its rows, one after another.
@@ -238,6 +299,7 @@ pub fn row_major(values: &[f64], rows: usize, columns: usize) -> Mat<f64> {
 /// everything, the fifth has no centres, and the last is large.
 fn groups(shape: Shape) -> Vec<Group> {
     let Shape { predictor, joints, proxies, .. } = shape;
+    let order = shape.feature_order();
     let first = usize::from(predictor.number());
     let mut random = ChaCha8Rng::seed_from_u64((proxies + first) as u64);
     let mut list = |len: usize, size: f64| -> Vec<_> {
@@ -257,7 +319,7 @@ fn groups(shape: Shape) -> Vec<Group> {
         };
         // Each latent value separately, or all of them mixed.
         let picked = (0..12 * own * r).map(|i| f64::from(u8::from(i / r % r == i % r)));
-        let feature = |i: usize| (7 * i + 12 * (g + 1)) % (12 * joints);
+        let feature = |i: usize| order.feature((7 * i + 12 * (g + 1)) % shape.feature_len());
         let inputs = (0..d).map(|i| Input { feature: feature(i), weight: list(1, 1.0)[0] });
         let inputs = inputs.collect();
         // Centre by centre, one column each.
@@ -265,7 +327,7 @@ fn groups(shape: Shape) -> Vec<Group> {
         let coefficients = list((r + 3) * (n + d), 0.5);
         let outputs = if g == 0 { picked.collect() } else { list(12 * own * r, 0.2) };
         out.push(Group {
-            joint: g % joints,
+            joint: g % joints.max(1),
             proxies: proxies - left - own..proxies - left,
             inputs,
             map: KernelMap {
@@ -350,5 +412,6 @@ fn fit(examples: &Examples) -> [Vec<u8>; 2] {
 fn keep_frames(examples: &mut Examples, count: usize) {
     examples.vertices.truncate(count * examples.vertex_len());
     examples.transforms.truncate(count * examples.joint_len());
+    examples.curves.truncate(count * examples.curve_names.len());
     examples.split.truncate(count);
 }

@@ -1,12 +1,11 @@
-//! Seeded poses of any skeleton: inside and outside the trained range, near half turns, at rest,
-//! and far from the origin.
+//! Seeded poses of any skeleton: inside and outside the trained range, near half turns, at rest, far
+//! from the origin, stretched, hidden, and with curves.
 
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::Envelope;
-use sinew_trainer::envelope::lbs::poses::rigid_inverse;
-use sinew_trainer::numeric::affine::after;
+use sinew_trainer::numeric::affine::{after, linear};
 use sinew_trainer::numeric::so3;
 use std::f64::consts::PI;
 
@@ -30,23 +29,34 @@ pub enum Kind {
     HalfTurn,
     /// Angles from 1e-9 to 1e-3.
     Tiny,
-    /// Trained angles; matrices differ from a rotation by up to 1e-4, the limit for a pose.
+    /// Trained angles; matrices differ from a rotation by up to 1e-4, the limit for a rigid pose.
+    Nearly,
+    /// Trained angles; joints that stretch are scaled and sheared by factors of 1/4 to 4.
     Stretched,
+    /// Trained angles; a joint is scaled to 0 or mirrored. Only if joints stretch.
+    Hidden,
 }
 
 impl Kind {
-    const ALL: [Self; 7] = [
+    const RIGID: [Self; 7] = [
         Self::Rest,
         Self::Trained,
         Self::Single,
         Self::Beyond,
         Self::HalfTurn,
         Self::Tiny,
-        Self::Stretched,
+        Self::Nearly,
     ];
+
+    /// Lists the kinds of an envelope's poses.
+    fn of(envelope: &Envelope<'_>) -> Vec<Self> {
+        let others: &[Self] =
+            if envelope.stretches() { &[Self::Stretched, Self::Hidden] } else { &[] };
+        [&Self::RIGID[..], others].concat()
+    }
 }
 
-/// A pose of J joints.
+/// A pose of J joints and C curves.
 #[derive(Clone, Debug)]
 pub struct Pose {
     /// The kind.
@@ -55,6 +65,8 @@ pub struct Pose {
     pub moved: bool,
     /// Skinning matrices, rest to posed, model space, as a backend takes them.
     pub transforms: Vec<sinew_runtime::Matrix3x4>,
+    /// Values of the curves.
+    pub curves: Vec<f32>,
 }
 
 impl Pose {
@@ -62,13 +74,19 @@ impl Pose {
     pub fn widened(&self) -> Vec<Matrix3x4<f64>> {
         self.transforms.iter().map(widened).collect()
     }
+
+    /// Converts the curves to f64.
+    pub fn widened_curves(&self) -> Vec<f64> {
+        self.curves.iter().map(|value| f64::from(*value)).collect()
+    }
 }
 
 /// Draws poses, every kind in turn, with and without a rigid motion; the first is the rest pose
 /// without motion.
 pub fn poses(envelope: &Envelope<'_>, count: usize) -> Vec<Pose> {
     let mut random = ChaCha8Rng::seed_from_u64(2007);
-    let kinds = Kind::ALL.iter().flat_map(|&kind| [(kind, false), (kind, true)]).cycle();
+    let kinds = Kind::of(envelope);
+    let kinds = kinds.iter().flat_map(|&kind| [(kind, false), (kind, true)]).cycle();
     kinds.take(count).map(|(kind, moved)| pose(envelope, kind, moved, &mut random)).collect()
 }
 
@@ -92,23 +110,26 @@ pub fn widened(transform: &sinew_runtime::Matrix3x4) -> Matrix3x4<f64> {
 fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rng) -> Pose {
     let joint_len = envelope.joint_len();
     let diagonal = f64::from(envelope.certificate().diagonal);
-    let single = random.random_range(0..joint_len);
+    let single = random.random_range(0..joint_len.max(1));
     let mut transforms = vec![Matrix3x4::identity(); joint_len];
     for joint in envelope.evaluation_order() {
         let trained = f64::from(envelope.pose_range(joint).unwrap_or_default());
         let angle = match kind {
             Kind::Rest => 0.0,
             Kind::Single if joint != single => 0.0,
-            Kind::Trained | Kind::Single | Kind::Stretched => random.random_range(0.0..=trained),
             Kind::Beyond => random.random_range(0.0..PI),
             Kind::HalfTurn => PI + random.random_range(-1.0..1.0) * power(-6..0, random),
             Kind::Tiny => power(-9..-2, random),
+            _ => random.random_range(0.0..=trained),
         };
         let displaced = if kind == Kind::Beyond { 0.3 * diagonal } else { 0.0 };
         // The local motion rotates about the joint's rest origin, in the rest pose's axes.
         let turn = so3::exp(&(axis(random) * angle));
-        let origin = envelope.inverse_bind(joint).map(|m| rigid_inverse(&widened(&m)));
-        let origin = origin.map_or(Vector3::zeros(), |frame| frame.column(3).into_owned());
+        let origin = envelope.inverse_bind(joint).map(|m| {
+            let frame = widened(&m);
+            -(linear(&frame).transpose() * frame.column(3))
+        });
+        let origin = origin.unwrap_or_else(Vector3::zeros);
         let shift = direction(random) * (displaced * random.random_range(0.0..1.0));
         let local = map(&turn, &(origin - turn * origin + shift));
         transforms[joint] = match envelope.parent(joint) {
@@ -116,18 +137,56 @@ fn pose(envelope: &Envelope<'_>, kind: Kind, moved: bool, random: &mut ChaCha8Rn
             None => local,
         };
     }
-    if kind == Kind::Stretched {
+    if kind == Kind::Nearly {
         let strain = |r: usize, c: usize| if c < 3 { (3 * r + c) as f64 / 8.0 - 0.5 } else { 0.0 };
         let size = power(-7..-4, random);
         transforms
             .iter_mut()
             .for_each(|transform| *transform += Matrix3x4::from_fn(strain) * (0.3 * size));
     }
+    if matches!(kind, Kind::Stretched | Kind::Hidden) {
+        let stretching = |joint: usize| envelope.stretch_range(joint) > Some(0.0);
+        let joints = transforms.iter_mut().enumerate();
+        for (_, transform) in joints.filter(|(joint, _)| stretching(*joint)) {
+            stretch(transform, kind == Kind::Stretched, random);
+        }
+    }
+    if kind == Kind::Hidden {
+        let scale = match random.random_range(0..3) {
+            0 => [-1.0, 1.0, 1.0],
+            1 => [0.0, 1.0, 1.0],
+            _ => [0.0; 3],
+        };
+        let scale = Matrix3::from_diagonal(&Vector3::from(scale));
+        let hidden = linear(&transforms[single]) * scale;
+        transforms[single].fixed_columns_mut::<3>(0).copy_from(&hidden);
+    }
     if moved {
         let motion = rigid_motion(diagonal, random);
         transforms.iter_mut().for_each(|transform| *transform = after(&motion, transform));
     }
-    Pose { kind, moved, transforms: transforms.iter().map(rounded).collect() }
+    let curves = (0..envelope.curve_len()).map(|curve| {
+        let [least, most] = envelope.curve_range(curve).unwrap_or_default();
+        match kind {
+            Kind::Rest => 0.0,
+            Kind::Single if curve != single => 0.0,
+            Kind::Beyond => most + (most - least) * random.random_range(0.0..2.0),
+            Kind::Tiny => most * power(-9..-2, random) as f32,
+            _ => random.random_range(least..=most),
+        }
+    });
+    let curves = curves.collect();
+    Pose { kind, moved, transforms: transforms.iter().map(rounded).collect(), curves }
+}
+
+/// Scales a transform along any three axes, by factors near 1 or, if `far`, of 1/4 to 4: a scale and a
+/// shear of the joint.
+fn stretch(transform: &mut Matrix3x4<f64>, far: bool, random: &mut ChaCha8Rng) {
+    let most = if far { 4f64.ln() } else { 0.2 };
+    let factors = Vector3::from_fn(|_, _| random.random_range(-most..=most).exp());
+    let axes = so3::exp(&(axis(random) * random.random_range(0.0..PI)));
+    let stretched = linear(transform) * axes * Matrix3::from_diagonal(&factors) * axes.transpose();
+    transform.fixed_columns_mut::<3>(0).copy_from(&stretched);
 }
 
 /// Draws one of the three axes in half of the cases, which gives exact zeros; else any direction.
@@ -162,7 +221,7 @@ fn map(turn: &Matrix3<f64>, shift: &Vector3<f64>) -> Matrix3x4<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::models::{self, shape_of};
+    use crate::models::{self, SHAPES, shape_of};
     use sinew_runtime::Model;
     use sinew_runtime::envelope::Predictor;
 
@@ -175,6 +234,7 @@ mod tests {
         assert!(all.len() >= 1000);
         assert!(all.iter().zip(poses(&envelope, POSES)).all(|(a, b)| a.transforms == b.transforms));
         for pose in &all {
+            assert!(pose.curves.is_empty() && !matches!(pose.kind, Kind::Stretched | Kind::Hidden));
             for transform in pose.widened() {
                 let turn = transform.fixed_columns::<3>(0).into_owned();
                 assert!((turn.transpose() * turn - Matrix3::identity()).amax() < 1.5e-4);
@@ -183,5 +243,25 @@ mod tests {
         }
         let rest = vec![rounded(&Matrix3x4::identity()); envelope.joint_len()];
         assert!(all[0].transforms == rest && all[2].transforms != rest);
+    }
+
+    #[test]
+    fn poses_of_a_model_that_stretches_are_stretched_hidden_and_have_curves() {
+        for shape in SHAPES.into_iter().filter(|shape| shape.stretches) {
+            let bytes = models::random(shape);
+            let model = Model::from_bytes(bytes).unwrap();
+            let envelope = model.envelope().unwrap();
+            let all = poses(&envelope, POSES);
+            assert!(all.iter().all(|pose| pose.curves.len() == shape.curves));
+            let volumes = |kind: Kind| {
+                let own = all.iter().filter(move |pose| pose.kind == kind);
+                own.flat_map(Pose::widened).map(|map| linear(&map).determinant())
+            };
+            assert!(volumes(Kind::Stretched).any(|volume| volume < 0.1));
+            assert!(volumes(Kind::Stretched).all(|volume| volume > 0.01));
+            assert!(volumes(Kind::Stretched).any(|volume| volume > 10.0));
+            assert!(volumes(Kind::Hidden).any(|volume| volume.abs() < 1e-6));
+            assert!(volumes(Kind::Hidden).any(|volume| volume < -0.1));
+        }
     }
 }

@@ -1,12 +1,12 @@
 //! Models under test, with their oracles and poses.
 
-use crate::backend::Loaded;
+use crate::backend::{Loaded, Poses};
 use crate::models;
 use crate::poses::{POSES, Pose, poses};
 use sinew_runtime::Matrix3x4;
 use sinew_trainer::envelope::model::{EnvelopeModel, SkinModel};
 
-/// Number of poses of a secondary model: ten rounds of every kind.
+/// Number of poses of a secondary model: ten rounds of every kind of rigid pose.
 pub const FEWER_POSES: usize = 140;
 
 /// A model under test.
@@ -23,6 +23,8 @@ pub struct Subject<'a> {
     pub poses: Vec<Pose>,
     /// Matrices of all poses, J each.
     pub transforms: Vec<Matrix3x4>,
+    /// Curves of all poses, C each.
+    pub curves: Vec<f32>,
 }
 
 impl<'a> Subject<'a> {
@@ -33,9 +35,21 @@ impl<'a> Subject<'a> {
     pub fn new(name: &'static str, bytes: &'a [u8], pose_len: usize) -> Self {
         let loaded = Loaded::new(bytes);
         let poses = poses(&loaded.envelope, pose_len);
+        Self::with_poses(name, loaded, poses)
+    }
+
+    /// Takes any poses of a model.
+    pub fn with_poses(name: &'static str, loaded: Loaded<'a>, poses: Vec<Pose>) -> Self {
         let transforms = poses.iter().flat_map(|pose| pose.transforms.iter().copied()).collect();
+        let curves = poses.iter().flat_map(|pose| pose.curves.iter().copied()).collect();
         let (oracle, skin) = loaded.widened();
-        Self { name, oracle, skin, loaded, poses, transforms }
+        Self { name, oracle, skin, loaded, poses, transforms, curves }
+    }
+
+    /// Returns the poses as a backend takes them.
+    pub fn inputs(&self) -> Poses<'_> {
+        let Self { transforms, curves, .. } = self;
+        Poses { len: self.poses.len(), joints: transforms, curves }
     }
 
     /// Describes the subject for messages.
@@ -49,6 +63,7 @@ impl<'a> Subject<'a> {
     pub fn shortened(mut self, pose_len: usize) -> Self {
         self.poses.truncate(pose_len);
         self.transforms.truncate(self.poses.len() * self.loaded.envelope.joint_len());
+        self.curves.truncate(self.poses.len() * self.loaded.envelope.curve_len());
         self
     }
 }

@@ -2,7 +2,9 @@
 //!
 //! `SINEW_BLESS=1 cargo test -p conformance golden::` rewrites the files. The golden files of
 //! a released version are never rewritten.
-use ::models::{Pieces, SMALL, Shape, ShapeContent};
+use ::models::{
+    GOLDEN_NAMES, GOLDEN_STRETCH_NAMES, Pieces, SMALL, Shape, ShapeContent, golden_path,
+};
 use faer::{Mat, MatRef};
 use nalgebra::SMatrix;
 use sinew_runtime::envelope::{Certificate, GroupConfidence, GroupKernel, Predictor};
@@ -10,13 +12,13 @@ use sinew_runtime::format::{ALIGNMENT, Axis, Element, Handedness, SectionKind, S
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::Error;
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
+    Curve, EnvelopeModel, Feature, FeatureOrder, FileModel, Group, Input, Key, Reconstruction,
+    ShapeNumbers, Shapes, Shear, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::files;
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
-use std::path::PathBuf;
 
 /// Pseudo-random multiples of 1/64 in [-1, 1), which f32 holds exactly.
 struct Dyadic(u32);
@@ -43,11 +45,39 @@ impl Dyadic {
     }
 }
 
+/// A golden envelope.
+#[derive(Clone, Copy, Debug)]
+struct Golden {
+    predictor: Predictor,
+    /// Whether joints stretch. Curves then move a kernel envelope.
+    stretches: bool,
+    /// Name of the file.
+    file: &'static str,
+}
+
+const RIGID: Golden =
+    Golden { predictor: Predictor::Kernel, stretches: false, file: GOLDEN_NAMES[1] };
+
+fn goldens() -> impl Iterator<Item = Golden> {
+    let names = [(false, GOLDEN_NAMES), (true, GOLDEN_STRETCH_NAMES)].into_iter();
+    names.flat_map(|(stretches, files)| {
+        let files = Predictor::ALL.into_iter().zip(files);
+        files.map(move |(predictor, file)| Golden { predictor, stretches, file })
+    })
+}
+
 /// Makes a model of an envelope and its skin: 24 vertices, 5 joints, 5 proxies, 4 influences; the
-/// root is joint 3.
-fn file_model(predictor: Predictor) -> FileModel {
+/// root is joint 3. An envelope of kernels that stretches has 3 curves.
+fn file_model(golden: Golden) -> FileModel {
+    let Golden { predictor, stretches, .. } = golden;
     let mut dyadic = Dyadic(7);
     let (v, j, p, root) = (24, 5, 5, 3);
+    let curves = [("smile", [-1.0, 1.0]), ("blink", [0.0, 1.0]), ("jaw/open", [-0.5, 1.0])];
+    let curves = curves.map(|(name, range)| Curve { name: name.to_owned(), range });
+    let curves = curves.into_iter().filter(|_| stretches && predictor.corrects());
+    let curves: Vec<_> = curves.collect();
+    let order = FeatureOrder { joint_len: j, stretches };
+    let feature_len = order.index(Feature::Curve(curves.len()));
     let rest_frames = (0..j).map(|joint| {
         let x = joint as f64;
         [[0.0, -1.0, 0.0, x], [1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, 0.0]]
@@ -67,7 +97,11 @@ fn file_model(predictor: Predictor) -> FileModel {
         joint: l % j,
         twist: dyadic.matrix(0.5),
         residual: (l % 2 == 1).then(|| ((l + 2) % j, dyadic.matrix(0.25))),
-        shear: dyadic.matrix(0.125),
+        shear: {
+            let turns = dyadic.matrix::<6>(0.125);
+            let strains = if stretches { dyadic.matrix::<6>(0.125) } else { SMatrix::zeros() };
+            Shear::from_fn(|r, c| if c < 6 { turns[(r, c)] } else { strains[(r, c - 6)] })
+        },
     });
     let keys = keys.collect();
     let c1 = dyadic.dense(4 * p, 3 * p, 0.25);
@@ -87,8 +121,12 @@ fn file_model(predictor: Predictor) -> FileModel {
     let groups = groups.map(|(g, (proxies, d, n, rank))| {
         end += proxies;
         let mut input = |i: usize| {
-            let feature = (7 * i + 12 * g) % (12 * j);
-            Input { feature, weight: 0.75 - dyadic.next(0.25) }
+            // From the end, each group of an envelope that stretches has a curve and a strain.
+            let index = match stretches {
+                true => feature_len - 1 - (32 * i + g) % feature_len,
+                false => (7 * i + 12 * g) % feature_len,
+            };
+            Input { feature: order.feature(index), weight: 0.75 - dyadic.next(0.25) }
         };
         Group {
             joint: 2 * g,
@@ -129,13 +167,14 @@ fn file_model(predictor: Predictor) -> FileModel {
             names: ["hand", "elbow", "shoulder", "hip", "tail"].map(str::to_owned).to_vec(),
             parents: vec![Some(1), Some(2), Some(3), None, Some(3)],
             rest: rest_frames.collect(),
-            roots: Vec::new(),
-            unplaced: Vec::new(),
+            ..Skeleton::default()
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
         pose_ranges: vec![2.0, 1.0, 0.75, 0.0, 1.25],
         pose_gaps: vec![0.0, 0.125, 0.0, 0.0, 0.0625],
+        stretch_ranges: stretches.then(|| vec![0.25, 0.125, 0.25, 0.0, 0.25]),
+        curves,
         certificate: Certificate {
             diagonal: 4.0,
             training_rms: 0.125,
@@ -155,39 +194,59 @@ fn file_model(predictor: Predictor) -> FileModel {
     FileModel { space, envelopes: vec![envelope], skins: vec![skin], ..FileModel::default() }
 }
 
-fn golden_path(predictor: Predictor) -> PathBuf {
-    let name = format!("../golden/envelope-8-{}.snw", predictor.name());
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
-}
-
 #[test]
 fn bake_writes_the_golden_files() {
-    for predictor in Predictor::ALL {
-        let baked = file_model(predictor).bake().unwrap();
+    for golden in goldens() {
+        let baked = file_model(golden).bake().unwrap();
+        let path = golden_path(golden.file);
         if std::env::var_os("SINEW_BLESS").is_some() {
-            std::fs::write(golden_path(predictor), &baked).unwrap();
+            std::fs::write(&path, &baked).unwrap();
         }
-        let golden = std::fs::read(golden_path(predictor)).unwrap();
-        assert!(baked == golden, "the baked bytes differ from the golden file of {predictor:?}");
-        // Control: the comparison can fail.
-        let mut other = file_model(predictor);
+        let file = std::fs::read(&path).unwrap();
+        assert!(baked == file, "the baked bytes differ from the golden file of {golden:?}");
+        // Controls: the comparison can fail, in each part that only some of the files have.
+        let mut other = file_model(golden);
         let envelope = &mut other.envelopes[0];
         if let Some(reconstruction) = &mut envelope.reconstruction {
             reconstruction.c1[(0, 0)] += 1.0 / 64.0;
         } else {
             envelope.groups[0].outputs[(0, 0)] += 1.0 / 64.0;
         }
-        assert!(other.bake().unwrap() != golden);
+        assert!(other.bake().unwrap() != file);
+        let edits: [fn(&mut EnvelopeModel) -> Option<()>; 3] = [
+            |envelope| {
+                envelope.stretch_ranges.as_mut()?[4] += 1.0 / 64.0;
+                Some(())
+            },
+            |envelope| {
+                envelope.stretch_ranges.as_ref()?;
+                envelope.reconstruction.as_mut()?.keys[4].shear[(5, 11)] += 1.0 / 64.0;
+                Some(())
+            },
+            |envelope| {
+                envelope.curves.get_mut(2)?.range[1] += 1.0 / 64.0;
+                Some(())
+            },
+        ];
+        let mut edited = 0;
+        for edit in edits {
+            let mut other = file_model(golden);
+            if edit(&mut other.envelopes[0]).is_some() {
+                assert!(other.bake().unwrap() != file);
+                edited += 1;
+            }
+        }
+        assert_eq!(edited, if golden.stretches { 2 } else { 0 });
     }
 }
 
 #[test]
 fn baked_parts_are_read_back() {
-    Predictor::ALL.into_iter().for_each(read_back);
+    goldens().for_each(read_back);
 }
 
-fn read_back(predictor: Predictor) {
-    let parts = file_model(predictor);
+fn read_back(golden: Golden) {
+    let parts = file_model(golden);
     let bytes = parts.bake().unwrap();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
     assert_eq!(model.space(), parts.space);
@@ -211,11 +270,15 @@ fn read_back_envelope(parts: &EnvelopeModel, envelope: Envelope<'_>) {
     assert_eq!(envelope.predictor(), parts.predictor());
     assert_eq!(envelope.certificate(), parts.certificate);
     read_back_groups(parts, envelope);
+    read_back_movements(parts, envelope);
     for (l, key) in parts.keys().iter().enumerate() {
         let found = envelope.key(l).unwrap();
         assert_eq!(found.joint, key.joint);
         assert_eq!(wide(found.twist), key.twist);
-        assert_eq!(wide(found.shear), key.shear);
+        assert_eq!(wide(found.shear), key.shear.fixed_columns::<6>(0).into_owned());
+        let strains = parts.stretch_ranges.as_ref();
+        let strains = strains.map(|_| key.shear.fixed_columns::<6>(6).into_owned());
+        assert_eq!(found.stretch.map(wide), strains);
         assert_eq!(found.residual.map(|(j, m)| (j, wide(m))), key.residual);
     }
     let base = parts.reconstruction.as_ref();
@@ -224,6 +287,23 @@ fn read_back_envelope(parts: &EnvelopeModel, envelope: Envelope<'_>) {
         let c2 = base.map(|base| base.c2[(row, column)]);
         assert_eq!(envelope.c1(row, column).map(f64::from), c1);
         assert_eq!(envelope.c2(row, column).map(f64::from), c2);
+    }
+}
+
+/// Compares the ranges of stretches, and the curves.
+fn read_back_movements(parts: &EnvelopeModel, envelope: Envelope<'_>) {
+    assert_eq!(envelope.stretches(), parts.stretch_ranges.is_some());
+    for joint in 0..parts.joint_len() {
+        let range = parts.stretch_ranges.as_ref().map_or(0.0, |ranges| ranges[joint]);
+        assert_eq!(envelope.stretch_range(joint).map(f64::from), Some(range));
+    }
+    assert_eq!(envelope.curve_len(), parts.curves.len());
+    for (index, curve) in parts.curves.iter().enumerate() {
+        assert_eq!(envelope.curve_name(index), Some(&*curve.name));
+        assert_eq!(
+            envelope.curve_range(index).map(|range| range.map(f64::from)),
+            Some(curve.range)
+        );
     }
 }
 
@@ -248,6 +328,7 @@ fn read_back_skin(parts: &SkinModel, skin: Skin<'_>) {
 }
 
 fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
+    let order = parts.feature_order();
     assert_eq!(envelope.group_len(), parts.groups.len());
     for (joint, [x, y, z]) in parts.skeleton.rest.iter().enumerate() {
         let origin = envelope.origin(joint).map(|o| o.map(f64::from));
@@ -270,7 +351,7 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
         };
         assert_eq!(read, *confidence);
         for (i, &Input { feature, weight }) in group.inputs.iter().enumerate() {
-            assert_eq!(found.input(i), Some((feature, weight as f32)));
+            assert_eq!(found.input(i), Some((order.index(feature), weight as f32)));
         }
         assert_eq!(&dense(centres, &|i, k| found.centre(k, i)), centres);
         // Every kernel is 1 at the centre, and falls from there.
@@ -342,10 +423,14 @@ fn shapes_are_baked_as_the_maker_of_models_writes_them() {
     }
 }
 
+fn curve(range: [f64; 2]) -> Curve {
+    Curve { name: "curve".to_owned(), range }
+}
+
 #[test]
 fn parts_that_do_not_fit_are_refused() {
     let refused_of = |predictor, edit: &dyn Fn(&mut EnvelopeModel, &mut SkinModel)| {
-        let mut model = file_model(predictor);
+        let mut model = file_model(Golden { predictor, ..RIGID });
         edit(&mut model.envelopes[0], &mut model.skins[0]);
         model.bake().unwrap_err()
     };
@@ -368,6 +453,8 @@ fn parts_that_do_not_fit_are_refused() {
     assert_eq!(coefficients.message(), length("columns of a group's coefficients", 16, 2));
     let outputs = refused(&|p, _| p.groups[1].outputs.truncate(2, 11));
     assert_eq!(outputs.message(), length("rows of a group's outputs", 12, 2));
+    let ranges = refused(&|p, _| p.stretch_ranges = Some(vec![0.25; 4]));
+    assert_eq!(ranges.message(), length("stretch ranges", 5, 4));
     let gap = refused(&|p, _| p.groups[1].proxies = 3..4);
     assert_eq!(gap.message(), length("helpers before a group", 2, 3));
     let joint = refused(&|p, _| p.groups[0].joint = 70_000);
@@ -394,13 +481,16 @@ fn parts_that_do_not_fit_are_refused() {
             as fn(&mut EnvelopeModel, &mut SkinModel),
         |_, s| s.influences[7] = vec![(5, 1.0)],
         |p, _| p.reconstruction.as_mut().unwrap().keys[0].joint = 9,
+        |p, _| p.curves = vec![curve([0.0, 1.0])],
     ] {
         assert!(is_by_runtime(refused_of(Predictor::Rotational, &edit)));
     }
     for edit in [
         (|p, _| p.groups[0].joint = 5) as fn(&mut EnvelopeModel, &mut SkinModel),
         |p, _| p.groups.truncate(2),
-        |p, _| p.groups[0].inputs[0].feature = 60,
+        |p, _| p.groups[0].inputs[0].feature = Feature::Curve(0),
+        |p, _| p.stretch_ranges = Some(vec![-1.0; 5]),
+        |p, _| p.curves = vec![curve([1.0, 0.0])],
         |p, _| p.groups[0].outputs[(0, 0)] = 1e7,
         |p, _| p.groups[0].map.confidence.reach = 0.0,
         |_, s| s.rest_positions[3][1] = 1e300,

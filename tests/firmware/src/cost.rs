@@ -35,7 +35,7 @@ pub fn servo() -> bool {
 
 #[cfg(feature = "kernel")]
 fn servo_kernel(memory: &mut Memory) -> Option<()> {
-    let model = load("servo", include_bytes!("../../golden/kernel-8-servo.snw"))?;
+    let model = load("servo", include_bytes!("../../golden/kernel-9-servo.snw"))?;
     let kernel = model.kernel()?;
     let scratch = cut(&mut memory.scratch, kernel.counts().scratch_len());
     let mut rng = Rng(7);
@@ -74,7 +74,8 @@ fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
     let pose = cut(&mut memory.pose, envelope.joint_len());
     model_space_pose(&envelope, local, pose).ok()?;
     let palette = cut(&mut memory.palette, envelope.palette_len());
-    envelope.palette(pose, cut(&mut memory.scratch, envelope.scratch_len()), palette).ok()?;
+    let scratch = cut(&mut memory.scratch, envelope.scratch_len());
+    envelope.palette(pose, &[], scratch, palette).ok()?;
     let lent = cells(cut(&mut memory.skin, 10 * skin.vertex_len()));
     let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     let job = SkinJob {
@@ -145,7 +146,7 @@ fn instructions(
             is_sound(model_space_pose(&envelope, local, pose).is_ok());
         });
         let moved = instructions_of(|| {
-            let confidence = envelope.palette(pose, scratch, palette);
+            let confidence = envelope.palette(pose, &[], scratch, palette);
             // A kernel map with confidence 0 would cost little.
             let whole = |confidence| confidence > 0.0 || !envelope.predictor().corrects();
             is_sound(confidence.is_ok_and(whole));
@@ -174,7 +175,7 @@ fn stacks(name: &str, envelope: Envelope<'_>, skin: Skin<'_>, memory: &mut Memor
     let lent = cells(cut(&mut memory.skin, 10 * skin.vertex_len()));
     let mut sound = true;
     let posing = stack_of(&mut || sound &= model_space_pose(&envelope, local, pose).is_ok());
-    let moving = stack_of(&mut || sound &= envelope.palette(pose, scratch, palette).is_ok());
+    let moving = stack_of(&mut || sound &= envelope.palette(pose, &[], scratch, palette).is_ok());
     let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     let skinning = stack_of(&mut || {
         let job = SkinJob {

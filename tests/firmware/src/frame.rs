@@ -41,7 +41,7 @@ pub fn whole(bytes: &[u8]) -> Option<Result<(), CallError>> {
     let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     let mut frame = || {
         model_space_pose(&envelope, local, pose)?;
-        black_box(envelope.palette(pose, scratch, palette)?);
+        black_box(envelope.palette(pose, black_box::<&[f32]>(&[]), scratch, palette)?);
         black_box(skin.bounds(palette, 0.0)?);
         SkinJob {
             skin,

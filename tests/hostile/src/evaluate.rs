@@ -3,9 +3,9 @@
 use crate::parts::{
     evaluate_filter, evaluate_kernel, evaluate_prior, read_filter, read_kernel, read_prior,
 };
-use crate::poses::pose;
+use crate::poses::{curves, pose};
 use crate::views::{evaluate_views, read_views};
-use sinew_runtime::envelope::{Predictor, ScratchLayout};
+use sinew_runtime::envelope::{Key, Predictor, ScratchLayout};
 use sinew_runtime::skin::{Bounds, Output, Rest, cells};
 use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, ShapesJob, Skin, SkinJob};
 use std::ops::Range;
@@ -57,16 +57,23 @@ fn read_envelope(envelope: &Envelope<'_>, file: &[u8], is_followed: bool) {
     for joint in 0..joint_len {
         assert!(envelope.joint_name(joint).is_some() && envelope.inverse_bind(joint).is_some());
         assert!(envelope.parent(joint).is_none_or(|parent| parent < joint_len));
+        let range = envelope.stretch_range(joint).expect("a joint has a range");
+        assert!(range == 0.0 || range > 0.0 && envelope.stretches());
+    }
+    for curve in 0..envelope.curve_len() {
+        assert!(envelope.curve_name(curve).is_some());
+        assert!(envelope.curve_range(curve).is_some_and(|[least, most]| least <= most));
     }
     let at_once = ScratchLayout::at_once(envelope).len;
-    let mut costs = vec![58 * joint_len];
+    let mut costs = vec![58 * joint_len, 12 * envelope.curve_len()];
     if is_followed || envelope.predictor() != Predictor::Kernel {
         costs.extend([24 * palette_len, envelope.scratch_len()]);
     } else {
         // Helpers of a group without centres take no bytes outside the skin: the limits bound their
         // number.
-        let most = (Limits::DEFAULT.joints + Limits::DEFAULT.proxies) as usize;
-        assert!(palette_len <= most && envelope.scratch_len() <= 16 * most);
+        let Limits { joints, proxies, curves, .. } = Limits::DEFAULT;
+        let most = (joints + proxies + curves) as usize;
+        assert!(palette_len <= most && envelope.scratch_len() <= 32 * most);
     }
     for cost in costs {
         assert!(cost <= file.len(), "a file of {} bytes costs {cost}", file.len());
@@ -74,8 +81,16 @@ fn read_envelope(envelope: &Envelope<'_>, file: &[u8], is_followed: bool) {
     // Every group counts its share again.
     assert!(at_once <= 4 * file.len() * (1 + envelope.group_len()));
     let reconstructs = envelope.predictor().reconstructs();
-    assert!((0..envelope.proxy_len()).all(|l| envelope.key(l).is_some() == reconstructs));
+    let is_right = |key: Key| key.stretch.is_some() == envelope.stretches();
+    let is_key = |proxy: usize| envelope.key(proxy).is_some_and(is_right);
+    assert!((0..envelope.proxy_len()).all(|proxy| is_key(proxy) == reconstructs));
     assert_eq!(envelope.groups().count(), envelope.group_len());
+    let feature_len = envelope.counts().feature_len();
+    for group in envelope.groups() {
+        assert!(group.joint < joint_len || joint_len == 0);
+        let inputs = (0..group.input_len()).map(|i| group.input(i));
+        assert!(inputs.flatten().all(|(feature, _)| feature < feature_len));
+    }
     let opened = envelope.layout().open(file);
     assert!(opened.is_some_and(|opened| opened.counts() == envelope.counts()));
 }
@@ -104,9 +119,9 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
     assert!(opened.is_some_and(|opened| opened.counts() == skin.counts()));
 }
 
-/// Evaluates every part of a model: every envelope over the poses numbered by `numbers` (see
-/// [`pose`], within the certificate's ranges); every skin; every kernel and every map of views over
-/// queries; and every prior over pins.
+/// Evaluates every part of a model: every envelope over the poses and curves numbered by `numbers`
+/// (see [`pose`]); every skin; every kernel and every map of views over queries; and every prior
+/// over pins.
 ///
 /// # Panics
 /// If a call is refused, a result is not finite, a confidence is outside 0 to 1, or a vertex is
@@ -114,7 +129,8 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
 pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
     for envelope in model.envelopes() {
         for number in numbers.clone() {
-            evaluate_pose(model, &envelope, number, &pose(&envelope, number));
+            let (pose, curves) = (pose(&envelope, number), curves(&envelope, number));
+            evaluate_pose(model, &envelope, number, &pose, &curves);
         }
     }
     for skin in model.skins().filter(|skin| skin.envelope_part().is_none()) {
@@ -144,12 +160,14 @@ pub fn evaluate_pose<B: AsRef<[u8]>>(
     envelope: &Envelope<'_>,
     number: usize,
     pose: &[Matrix3x4],
+    curves: &[f32],
 ) {
     let named = format!("pose {number} of part {}", envelope.part());
     check(&named, "pose", pose.as_flattened().as_flattened());
+    check(&named, "curves", curves);
     let mut scratch = vec![f32::NAN; envelope.scratch_len()];
     let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
-    match envelope.palette(pose, &mut scratch, &mut palette) {
+    match envelope.palette(pose, curves, &mut scratch, &mut palette) {
         Ok(confidence) => {
             assert!((0.0..=1.0).contains(&confidence), "{named}: confidence {confidence}");
         }

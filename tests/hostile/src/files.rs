@@ -1,9 +1,11 @@
 //! Seed files, from which every mutation starts.
 
 use models::{
-    FilterContent, GOLDEN, KernelContent, Pieces, RecordContent, ShapeContent, ViewsContent,
+    FilterContent, GOLDEN, GOLDEN_STRETCH, JOINTLESS, KernelContent, Pieces, RecordContent,
+    ShapeContent, ViewsContent,
 };
 use sinew_runtime::FileError;
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Element;
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::views::Layer;
@@ -16,15 +18,16 @@ use std::sync::LazyLock;
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         let several = several().expect("the golden files are sound");
-        GOLDEN.map(<[u8]>::to_vec).into_iter().chain([several]).collect()
+        let goldens = GOLDEN.into_iter().chain(GOLDEN_STRETCH).map(<[u8]>::to_vec);
+        goldens.chain([several]).collect()
     });
     &FILES
 }
 
-/// Makes a file of two envelopes, four skins, four kernels, a prior, views and a filter. The
-/// envelopes are a rotational and a kernel model. One skin follows nothing; two skins have shapes.
-/// One kernel has every feature and one has few. The prior is a face. The views have two maps;
-/// their first layer has depth and clips the second.
+/// Makes a file of three envelopes, five skins, four kernels, a prior, views and a filter. The
+/// envelopes are a rotational model, a kernel model and one without joints. One skin follows
+/// nothing; two skins have shapes. One kernel has every feature and one has few. The prior is a
+/// face. The views have two maps; their first layer has depth and clips the second.
 fn several() -> Result<Vec<u8>, FileError> {
     let [rotational, kernel] = GOLDEN.map(Pieces::of);
     let (mut out, kernel) = (rotational?, kernel?);
@@ -35,6 +38,7 @@ fn several() -> Result<Vec<u8>, FileError> {
     loose.loosen();
     loose.set_shapes(&ShapeContent::sample(Element::F16, 6, 3));
     out.append(loose);
+    out.append(Pieces::sample(Predictor::Kernel, JOINTLESS));
     let small = KernelContent::plain(Kernel::ThinPlate, [2, 3, 1]);
     out.append(Pieces::kernels(&[KernelContent::every(Kernel::Wendland { l: 3 }), small]));
     out.append(Pieces::face());

@@ -1,7 +1,9 @@
-//! Makes poses within the ranges that a file's certificate states, as a caller would.
+//! Makes poses within the ranges that a file states, as a caller would, and poses that scale, shear
+//! and hide joints.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sinew_runtime::format::TRAVEL_MAX;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
 use std::f64::consts::PI;
 
@@ -14,7 +16,7 @@ const IDENTITY: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0
 const FAR: f64 = 100.0;
 
 /// Number of kinds of poses, which alternate.
-pub const KINDS: usize = 5;
+pub const KINDS: usize = 7;
 
 /// Makes a pose of J skinning matrices, whose kind depends on `number`:
 ///
@@ -22,12 +24,16 @@ pub const KINDS: usize = 5;
 /// - every joint at the end of its range;
 /// - every joint somewhere in its range;
 /// - every joint somewhere in its range, far from the rest position;
-/// - every joint somewhere in its range, far away and through [`model_space_pose`].
+/// - every joint somewhere in its range, far away and through [`model_space_pose`];
+/// - every joint somewhere in its range; joints that stretch are scaled and sheared as far as they
+///   may be;
+/// - the same, with about half of the joints hidden or mirrored.
 ///
 /// A hostile range may exceed every rotation: angles stop at π.
 pub fn pose(envelope: &Envelope<'_>, number: usize) -> Vec<Matrix3x4> {
     let mut random = ChaCha8Rng::seed_from_u64(number as u64);
-    match number % KINDS {
+    let kind = number % KINDS;
+    match kind {
         0 => vec![IDENTITY.map(|row| row.map(|x| x as f32)); envelope.joint_len()],
         1 => skinning(envelope, &turns(envelope, true, &mut random), &IDENTITY),
         2 => skinning(envelope, &turns(envelope, false, &mut random), &IDENTITY),
@@ -37,7 +43,66 @@ pub fn pose(envelope: &Envelope<'_>, number: usize) -> Vec<Matrix3x4> {
             motion.iter_mut().for_each(|row| row[3] = far * random.random_range(-1.0..1.0));
             skinning(envelope, &turns(envelope, false, &mut random), &motion)
         }
-        _ => from_local(envelope, &local(envelope, number)),
+        4 => from_local(envelope, &local(envelope, number)),
+        _ => {
+            let mut pose = skinning(envelope, &turns(envelope, false, &mut random), &IDENTITY);
+            stretch(envelope, &mut pose, &mut random);
+            if kind == 6 {
+                hide(envelope, &mut pose, &mut random);
+            }
+            pose
+        }
+    }
+}
+
+/// Makes the C curves of a pose: at rest, at the end of their ranges, somewhere in their ranges, or
+/// anywhere that a curve may be.
+pub fn curves(envelope: &Envelope<'_>, number: usize) -> Vec<f32> {
+    let mut random = ChaCha8Rng::seed_from_u64(number as u64);
+    let ranges = (0..envelope.curve_len()).map(|c| envelope.curve_range(c).unwrap_or_default());
+    let value = |[least, most]: [f32; 2]| match number % KINDS {
+        0 => 0.0,
+        1 => most,
+        3 => random.random_range(-TRAVEL_MAX..TRAVEL_MAX),
+        _ => random.random_range(least..=most),
+    };
+    ranges.map(value).collect()
+}
+
+/// Scales and shears the joints that stretch, by factors of 1/4 to 4 along any three axes.
+fn stretch(envelope: &Envelope<'_>, pose: &mut [Matrix3x4], random: &mut ChaCha8Rng) {
+    let joints = pose.iter_mut().enumerate();
+    for (_, map) in joints.filter(|(joint, _)| envelope.stretch_range(*joint) > Some(0.0)) {
+        let axes = rotation(random, PI);
+        let factors: [f64; 3] = [(); 3].map(|()| 4f64.powf(random.random_range(-1.0..=1.0)));
+        let scaled = axes.map(|row| [0, 1, 2].map(|c| row[c] * factors[c]));
+        // The product of the scaled axes and the axes transposed.
+        let stretch = [0, 1, 2]
+            .map(|r| [0, 1, 2].map(|c| (0..3).map(|k| scaled[r][k] * axes[c][k]).sum::<f64>()));
+        *map = map.map(|row| {
+            let [x, y, z] = [0, 1, 2]
+                .map(|c| (0..3).map(|k| f64::from(row[k]) * stretch[k][c]).sum::<f64>() as f32);
+            [x, y, z, row[3]]
+        });
+    }
+}
+
+/// Hides about half of the joints, by a scale of 0 along an axis or more or by a mirror. The root
+/// stays unless it is alone, because all follow it.
+fn hide(envelope: &Envelope<'_>, pose: &mut [Matrix3x4], random: &mut ChaCha8Rng) {
+    let is_alone = pose.len() == 1;
+    let joints = pose.iter_mut().enumerate();
+    for (_, map) in joints.filter(|(joint, _)| is_alone || *joint != envelope.root()) {
+        let factors = match random.random_range(0..8) {
+            0 => [0.0; 3],
+            1 => [0.0, 1.0, 1.0],
+            2 => [-1.0, 1.0, 1.0],
+            3 => [-1.0; 3],
+            _ => continue,
+        };
+        for row in map {
+            row.iter_mut().zip(factors).for_each(|(x, factor)| *x *= factor);
+        }
     }
 }
 

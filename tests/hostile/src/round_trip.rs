@@ -4,12 +4,15 @@
 use crate::evaluate::{evaluate, read};
 use arbitrary::{Result, Unstructured};
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix6, SMatrix};
-use sinew_runtime::envelope::{Certificate, GroupConfidence, GroupKernel, Predictor, TWIST_MAX};
+use nalgebra::{Matrix3, SMatrix};
+use sinew_runtime::envelope::{
+    Certificate, GroupConfidence, GroupKernel, NO_JOINT, Predictor, TWIST_MAX,
+};
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::envelope::model::{
-    EnvelopeModel, FileModel, Group, Input, Key, Reconstruction, ShapeNumbers, Shapes, SkinModel,
+    Curve, EnvelopeModel, Feature, FeatureOrder, FileModel, Group, Input, Key, Reconstruction,
+    ShapeNumbers, Shapes, Shear, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
 use sinew_trainer::regression::confidence::MapConfidence;
@@ -63,18 +66,23 @@ fn space(u: &mut Unstructured<'_>) -> Result<Space> {
 }
 
 fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
-    let joint_len = u.int_in_range(1..=6)?;
-    let proxy_len = u.int_in_range(1..=4)?;
     let predictor = *u.choose(&Predictor::ALL)?;
+    // Curves alone may move a kernel envelope, and only a kernel envelope has curves.
+    let joint_len = u.int_in_range(usize::from(!predictor.corrects())..=6)?;
+    let least = usize::from(joint_len == 0);
+    let curve_len = if predictor.corrects() { u.int_in_range(least..=3)? } else { 0 };
+    let proxy_len = u.int_in_range(1..=4)?;
+    let order = FeatureOrder { joint_len, stretches: joint_len > 0 && u.arbitrary()? };
+    let feature_len = order.index(Feature::Curve(curve_len));
     // A tree whose joints are renumbered cyclically.
-    let turn = u.choose_index(joint_len)?;
+    let turn = u.choose_index(joint_len.max(1))?;
     let number = |joint: usize| (joint + turn) % joint_len;
     let mut parents = vec![None; joint_len];
     for joint in 1..joint_len {
         parents[number(joint)] = Some(number(u.choose_index(joint)?));
     }
     let reconstruction = if predictor.reconstructs() {
-        let keys = list(proxy_len, || key(joint_len, u))?;
+        let keys = list(proxy_len, || key(order, u))?;
         let c1 = matrix(4 * proxy_len, 3 * proxy_len, || float(u, MAGNITUDE_MAX))?;
         let c2 = matrix(4 * proxy_len, 4 * joint_len, || float(u, MAGNITUDE_MAX))?;
         Some(Reconstruction { keys, c1, c2 })
@@ -84,7 +92,7 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
     let mut groups = Vec::new();
     let mut first = if predictor.corrects() { 0 } else { proxy_len };
     while first < proxy_len {
-        let group = group(joint_len, first..proxy_len, u)?;
+        let group = group((order, feature_len), first..proxy_len, u)?;
         first = group.proxies.end;
         groups.push(group);
     }
@@ -94,11 +102,19 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
             names: list(joint_len, || name(u))?,
             parents,
             rest: list(joint_len, || frame(u))?,
-            roots: Vec::new(),
-            unplaced: Vec::new(),
+            is_still: joint_len == 0,
+            ..Skeleton::default()
         },
         reconstruction,
         groups,
+        stretch_ranges: match order.stretches {
+            true => Some(list(joint_len, || float(u, 4.0).map(f64::abs))?),
+            false => None,
+        },
+        curves: list(curve_len, || {
+            let (a, b) = (float(u, MAGNITUDE_MAX)?, float(u, MAGNITUDE_MAX)?);
+            Ok(Curve { name: name(u)?, range: [a.min(b), a.max(b)] })
+        })?,
         pose_ranges: list(joint_len, || float(u, 4.0).map(f64::abs))?,
         pose_gaps: list(joint_len, || float(u, 4.0).map(f64::abs))?,
         certificate: Certificate { diagonal: float(u, 1e3)? as f32, ..Certificate::default() },
@@ -161,7 +177,8 @@ fn shapes(vertex_len: usize, u: &mut Unstructured<'_>) -> Result<Shapes> {
     })
 }
 
-fn key(joint_len: usize, u: &mut Unstructured<'_>) -> Result<Key> {
+fn key(order: FeatureOrder, u: &mut Unstructured<'_>) -> Result<Key> {
+    let FeatureOrder { joint_len, stretches } = order;
     // Nine entries of a third of the norm reach the norm.
     let most = 0.33 * TWIST_MAX;
     let matrix = |u: &mut Unstructured<'_>| -> Result<Matrix3<f64>> {
@@ -171,14 +188,19 @@ fn key(joint_len: usize, u: &mut Unstructured<'_>) -> Result<Key> {
     let twist = matrix(u)?;
     let residual =
         if u.arbitrary()? { Some((u.choose_index(joint_len)?, matrix(u)?)) } else { None };
-    let mut shear = Matrix6::zeros();
-    for entry in &mut shear {
+    let mut shear = Shear::zeros();
+    // The first six columns come first; the others belong to strains.
+    for entry in shear.iter_mut().take(if stretches { 72 } else { 36 }) {
         *entry = float(u, MAGNITUDE_MAX)?;
     }
     Ok(Key { joint: u.choose_index(joint_len)?, twist, residual, shear })
 }
 
-fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Result<Group> {
+fn group(
+    (order, feature_len): (FeatureOrder, usize),
+    left: Range<usize>,
+    u: &mut Unstructured<'_>,
+) -> Result<Group> {
     let proxies = left.start..left.start + u.int_in_range(1..=left.len())?;
     let rows = 12 * proxies.len();
     let [d, r] = [u.int_in_range(1..=10)?, u.int_in_range(1..=9)?];
@@ -189,10 +211,10 @@ fn group(joint_len: usize, left: Range<usize>, u: &mut Unstructured<'_>) -> Resu
     let [linear, signal, noise] = [share(u)?, share(u)?, share(u)?];
     let reach = 0.5 * share(u)? + 1.0;
     Ok(Group {
-        joint: u.choose_index(joint_len)?,
+        joint: u.choose_index(order.joint_len.max(1))?,
         proxies,
         inputs: list(d, || {
-            let feature = u.choose_index(12 * joint_len)?;
+            let feature = order.feature(u.choose_index(feature_len)?);
             Ok(Input { feature, weight: float(u, CORRECTION_MAX)? })
         })?,
         map: KernelMap {
@@ -284,6 +306,15 @@ fn compare(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
         let origin = rest[joint].map(|row| round(row[3]));
         assert_eq!(envelope.origin(joint), parts.predictor().corrects().then_some(origin));
     }
+    assert_eq!(envelope.stretches(), parts.stretch_ranges.is_some());
+    for (joint, range) in parts.stretch_ranges.iter().flatten().enumerate() {
+        assert_eq!(envelope.stretch_range(joint), Some(round(*range)));
+    }
+    assert_eq!(envelope.curve_len(), parts.curves.len());
+    for (curve, Curve { name, range }) in parts.curves.iter().enumerate() {
+        assert_eq!(envelope.curve_name(curve), Some(name.as_str()));
+        assert_eq!(envelope.curve_range(curve), Some(range.map(round)));
+    }
     compare_reconstruction(parts, envelope);
     compare_groups(parts, envelope);
 }
@@ -342,7 +373,11 @@ fn compare_reconstruction(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
             joint: key.joint,
             twist: rows(&key.twist),
             residual: key.residual.map(|(joint, m)| (joint, rows(&m))),
-            shear: rows(&key.shear),
+            shear: rows(&key.shear.fixed_columns::<6>(0).into_owned()),
+            stretch: parts
+                .stretch_ranges
+                .as_ref()
+                .map(|_| rows(&key.shear.fixed_columns::<6>(6).into_owned())),
         };
         assert_eq!(found, Some(expected), "key {proxy}");
     }
@@ -351,13 +386,14 @@ fn compare_reconstruction(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
 }
 
 fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
-    let round = |x: f64| x as f32;
+    let (round, order) = (|x: f64| x as f32, parts.feature_order());
     assert_eq!(envelope.group_len(), parts.groups.len());
     for (group, found) in parts.groups.iter().zip(envelope.groups()) {
         let Group { inputs, map: KernelMap { kernel, centres, coefficients, confidence }, .. } =
             group;
         let (d, n, r) = (inputs.len(), centres.ncols(), group.outputs.ncols());
-        assert_eq!((found.joint, found.kernel), (group.joint, *kernel));
+        let joint = if order.joint_len > 0 { group.joint } else { NO_JOINT.into() };
+        assert_eq!((found.joint, found.kernel), (joint, *kernel));
         assert_eq!(found.proxies, group.proxies);
         assert_eq!((found.input_len(), found.centre_len(), found.rank()), (d, n, r));
         let MapConfidence { len, reach, linear, signal, noise } = *confidence;
@@ -367,7 +403,7 @@ fn compare_groups(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
             (len, GroupConfidence { reach, linear, signal, noise })
         );
         for (i, &Input { feature, weight }) in inputs.iter().enumerate() {
-            assert_eq!(found.input(i), Some((feature, round(weight))));
+            assert_eq!(found.input(i), Some((order.index(feature), round(weight))));
         }
         compare_entries("centres", centres, |i, k| found.centre(k, i));
         compare_entries("coefficients", coefficients, |r, c| found.coefficient(r, c));

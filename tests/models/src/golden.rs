@@ -1,27 +1,37 @@
 //! The golden files.
 
 use crate::pieces::Pieces;
-use crate::sample::Shape;
+use crate::shape::{SMALL, Shape};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
 use std::path::{Path, PathBuf};
 
 /// Names of the golden files, by predictor: rotational, kernel.
-pub const GOLDEN_NAMES: [&str; 2] = ["envelope-8-rotational.snw", "envelope-8-kernel.snw"];
+pub const GOLDEN_NAMES: [&str; 2] = ["envelope-9-rotational.snw", "envelope-9-kernel.snw"];
 
 /// The golden files named by [`GOLDEN_NAMES`].
 pub const GOLDEN: [&[u8]; 2] = [
-    include_bytes!("../../golden/envelope-8-rotational.snw"),
-    include_bytes!("../../golden/envelope-8-kernel.snw"),
+    include_bytes!("../../golden/envelope-9-rotational.snw"),
+    include_bytes!("../../golden/envelope-9-kernel.snw"),
+];
+
+/// Names of the golden files whose joints stretch, by predictor. The kernel file has curves.
+pub const GOLDEN_STRETCH_NAMES: [&str; 2] =
+    ["envelope-9-stretch-rotational.snw", "envelope-9-stretch.snw"];
+
+/// The golden files named by [`GOLDEN_STRETCH_NAMES`].
+pub const GOLDEN_STRETCH: [&[u8]; 2] = [
+    include_bytes!("../../golden/envelope-9-stretch-rotational.snw"),
+    include_bytes!("../../golden/envelope-9-stretch.snw"),
 ];
 
 /// Names of the golden skins with tangent coefficients, which [`Pieces::turned`] makes.
-pub const TURNED_NAMES: [&str; 2] = ["skin-8-tangents.snw", "skin-8-normals.snw"];
+pub const TURNED_NAMES: [&str; 2] = ["skin-9-tangents.snw", "skin-9-normals.snw"];
 
 /// The golden files named by [`TURNED_NAMES`]: with tangents, and with normals only.
 pub const TURNED: [&[u8]; 2] = [
-    include_bytes!("../../golden/skin-8-tangents.snw"),
-    include_bytes!("../../golden/skin-8-normals.snw"),
+    include_bytes!("../../golden/skin-9-tangents.snw"),
+    include_bytes!("../../golden/skin-9-normals.snw"),
 ];
 
 impl Pieces {
@@ -32,14 +42,7 @@ impl Pieces {
     /// # Panics
     /// As [`Pieces::sample`] does.
     pub fn turned() -> [Self; 2] {
-        let shape = Shape {
-            vertices: 41,
-            joints: 6,
-            proxies: 5,
-            influences: 4,
-            tangents: true,
-            coefficients: true,
-        };
+        let shape = Shape { vertices: 41, joints: 6, proxies: 5, influences: 4, ..SMALL };
         let other = Shape { vertices: 38, influences: 3, tangents: false, ..shape };
         [(Predictor::Kernel, shape), (Predictor::Kernel, other)].map(|(predictor, shape)| {
             let mut pieces = Self::sample(predictor, shape);

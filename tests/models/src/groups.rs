@@ -3,7 +3,8 @@
 use crate::bytes::{blocks, floats, group_row, words};
 use crate::pieces::Pieces;
 use crate::rng::Rng;
-use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow};
+use crate::shape::Shape;
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow, NO_JOINT};
 use sinew_runtime::format::SectionKind;
 
 /// Number of certainty values m of a sample.
@@ -12,7 +13,7 @@ const CERTAINTY: usize = 2;
 /// A group as plain lists.
 #[derive(Clone)]
 pub struct GroupContent {
-    /// Dominant joint.
+    /// Dominant joint; [`NO_JOINT`] without joints.
     pub joint: usize,
     /// Kernel of the group's map.
     pub kernel: GroupKernel,
@@ -33,18 +34,26 @@ pub struct GroupContent {
 }
 
 impl GroupContent {
-    /// Makes a group of random numbers; `sizes` is `[d, n, r]`.
-    pub fn sample(rng: &mut Rng, joints: usize, proxies: usize, sizes: [usize; 3]) -> Self {
+    /// Makes a group of random numbers for a sample of a shape; `sizes` is `[d, n, r]`. Every second
+    /// input is a strain or a curve, if the shape has any.
+    pub fn sample(rng: &mut Rng, shape: Shape, proxies: usize, sizes: [usize; 3]) -> Self {
         let [d, n, r] = sizes;
         let mut list =
             |len: usize, scale: f32| (0..len).map(|_| rng.unit() * scale).collect::<Vec<_>>();
         let inputs = list(d, 1.0).into_iter().enumerate();
-        let feature = |i: usize| ((5 * i + 1) % (12 * joints)) as u32;
+        let of_joints = 12 * shape.joints;
+        let others = shape.feature_len() - of_joints;
+        let feature = |i: usize| match (of_joints, others) {
+            (0, _) => i % others,
+            (_, 0) => (5 * i + 1) % of_joints,
+            _ if i.is_multiple_of(2) => (5 * i + 1) % of_joints,
+            _ => of_joints + others - 1 - 7 * (i / 2) % others,
+        };
         Self {
-            joint: proxies % joints,
+            joint: proxies.checked_rem(shape.joints).unwrap_or(NO_JOINT.into()),
             kernel: GroupKernel::ALL[(d + n) % GroupKernel::ALL.len()],
             proxies,
-            inputs: inputs.map(|(i, x)| (feature(i), 1.5 + x)).collect(),
+            inputs: inputs.map(|(i, x)| (feature(i) as u32, 1.5 + x)).collect(),
             centres: (0..n).map(|_| list(d, 0.5)).collect(),
             coefficients: (0..r + CERTAINTY).map(|_| list(n + d, 0.5)).collect(),
             certainty: CERTAINTY,
@@ -95,16 +104,16 @@ impl GroupContent {
     }
 }
 
-/// Splits P proxies into up to three groups of different sizes and kernels.
-pub fn sample_groups(joints: usize, proxies: usize) -> Vec<GroupContent> {
+/// Splits the P proxies of a sample into up to three groups of different sizes and kernels.
+pub fn sample_groups(shape: Shape) -> Vec<GroupContent> {
     let mut rng = Rng(1992);
     let sizes = [[5, 11, 3], [9, 3, 1], [1, 17, 10]];
-    let mut left = proxies;
+    let mut left = shape.proxies;
     let mut groups = Vec::new();
     for (i, sizes) in sizes.into_iter().enumerate() {
         let own = if i == 2 { left } else { left.min(i + 1) };
         if own > 0 {
-            groups.push(GroupContent::sample(&mut rng, joints, own, sizes));
+            groups.push(GroupContent::sample(&mut rng, shape, own, sizes));
         }
         left -= own;
     }

@@ -18,6 +18,7 @@ mod records;
 #[path = "../../golden/rng.rs"]
 mod rng;
 mod sample;
+mod shape;
 mod shapes;
 mod shared;
 mod views;
@@ -27,7 +28,9 @@ pub use bytes::{
     section_row, words,
 };
 pub use filters::FilterContent;
-pub use golden::{GOLDEN, GOLDEN_NAMES, TURNED, TURNED_NAMES, golden_path};
+pub use golden::{
+    GOLDEN, GOLDEN_NAMES, GOLDEN_STRETCH, GOLDEN_STRETCH_NAMES, TURNED, TURNED_NAMES, golden_path,
+};
 pub use groups::{GroupContent, sample_groups};
 pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, head, seal};
@@ -35,7 +38,8 @@ pub use pieces::{Content, Pieces};
 pub use priors::{FACE_NAME, PriorContent};
 pub use records::RecordContent;
 pub use rng::Rng;
-pub use sample::{SMALL, Shape, TINY, direction};
+pub use sample::direction;
+pub use shape::{JOINTLESS, SMALL, STRETCHING, Shape, TINY};
 pub use shapes::{SHAPED_NAMES, ShapeContent};
 pub use shared::shared;
 pub use views::{

@@ -5,40 +5,17 @@ use crate::groups::sample_groups;
 use crate::message::head;
 use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
+use crate::shape::{SMALL, Shape};
 use sinew_runtime::envelope::{ENVELOPE_SECTIONS, NO_JOINT, Predictor};
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::skin::SKIN_SECTIONS;
 use std::sync::LazyLock;
 
-/// Shape of a sample model. Joints are 0 -> 2 -> 1 (root), then a chain below joint 0.
-#[derive(Clone, Copy)]
-pub struct Shape {
-    /// Number of vertices V.
-    pub vertices: usize,
-    /// Number of joints J.
-    pub joints: usize,
-    /// Number of proxies P.
-    pub proxies: usize,
-    /// Influences per vertex K.
-    pub influences: usize,
-    /// Whether the skin has tangents.
-    pub tangents: bool,
-    /// Whether the skin has tangent coefficients and errors of normals.
-    pub coefficients: bool,
-}
-
-/// The smallest shape with every section: small enough to damage every bit.
-pub const TINY: Shape =
-    Shape { vertices: 2, joints: 3, proxies: 2, influences: 2, tangents: true, coefficients: true };
-
-/// A small shape with a few of everything.
-pub const SMALL: Shape =
-    Shape { vertices: 7, joints: 4, proxies: 3, influences: 2, tangents: true, coefficients: true };
-
 impl Pieces {
     /// Makes a model of an envelope, part 0, and its skin, part 1, whose rest pose is exact: every
     /// coefficient is a multiple of 1/64, and the rows of c1 and c2 together give [I | 0] for d =
-    /// I, q = rest. Kernel maps are those of [`sample_groups`].
+    /// I, q = rest. Kernel maps are those of [`sample_groups`]. Joint k has a stretch range of
+    /// k mod 3 quarters.
     ///
     /// # Panics
     /// If the order of sections differs from FORMAT.md.
@@ -52,7 +29,7 @@ impl Pieces {
         // Sections of shapes come last: see [`Pieces::set_shapes`].
         let of_skin = SKIN_SECTIONS.into_iter().take(skin.len());
         assert!(written.eq(ENVELOPE_SECTIONS.into_iter().chain(of_skin)));
-        let envelope = envelope.into_iter().filter(|(kind, _)| has(predictor, *kind));
+        let envelope = envelope.into_iter().filter(|(kind, _)| has(predictor, shape, *kind));
         let skin = skin.into_iter().filter(|(kind, _)| match kind {
             SectionKind::RestTangents => shape.tangents,
             SectionKind::TangentCoefficients => shape.coefficients && shape.influences > 1,
@@ -76,7 +53,7 @@ impl Pieces {
             sections: envelope.chain(skin.map(|(kind, bytes)| content(1, kind, bytes))).collect(),
         };
         if predictor != Predictor::Rotational {
-            pieces.set_groups(&sample_groups(shape.joints, shape.proxies));
+            pieces.set_groups(&sample_groups(shape));
         }
         pieces
     }
@@ -140,15 +117,22 @@ fn required(kind: PartKind) -> PartRow {
     PartRow { kind: kind.number(), flags: 1 }
 }
 
-/// Returns whether envelopes of a predictor have a section, by FORMAT.md's table.
-fn has(predictor: Predictor, kind: SectionKind) -> bool {
+/// Returns whether an envelope has a section, by FORMAT.md's table.
+fn has(predictor: Predictor, shape: Shape, kind: SectionKind) -> bool {
     match kind {
+        SectionKind::StretchRanges => shape.stretches,
+        SectionKind::KeyStretches => shape.stretches && predictor != Predictor::Kernel,
+        SectionKind::CurveRanges => curve_len(predictor, shape) > 0,
         SectionKind::Keys | SectionKind::C1 | SectionKind::C2 => predictor != Predictor::Kernel,
         SectionKind::Origins | SectionKind::Groups | SectionKind::Corrections => {
             predictor != Predictor::Rotational
         }
         _ => true,
     }
+}
+
+fn curve_len(predictor: Predictor, shape: Shape) -> usize {
+    if predictor == Predictor::Kernel { shape.curves } else { 0 }
 }
 
 /// Draws a multiple of 1/64.
@@ -222,7 +206,7 @@ fn tangent_coefficients(pair_len: usize) -> Vec<u16> {
 /// Makes every section that an envelope may have; the sections of groups stay empty.
 fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     let Shape { joints: j, proxies: p, .. } = shape;
-    let root = 1.min(j - 1);
+    let (root, c) = (1.min(j.saturating_sub(1)), curve_len(predictor, shape));
     let order = evaluation_order(j);
     let mut parents = vec![NO_JOINT; j];
     let mut ranks = vec![0; j];
@@ -239,18 +223,26 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     });
     let inverse_binds = inverse_binds.flatten().collect::<Vec<_>>();
     let origins = ranks.iter().flat_map(|&rank| [f32::from(rank), 0.0, 0.0]).collect::<Vec<_>>();
-    let joint_names = (0..j).map(|joint| format!("joint {joint}")).collect::<Vec<_>>();
+    let joint_names = (0..j).map(|joint| format!("joint {joint}"));
+    let all_names = joint_names.chain((0..c).map(|curve| format!("curve {curve}")));
+    let all_names = all_names.collect::<Vec<_>>();
     let keys = keys(shape, rng);
     let [c1, c2] = coefficients(shape, root, rng);
-    // Predictor, J, P, root, G, floats of scratch.
-    let counts = [predictor.number().into(), j as u32, p as u32, root as u32, 0, 0];
+    let stretch_ranges = (0..j).map(|joint| 0.25 * (joint % 3) as f32).collect::<Vec<_>>();
+    let key_stretches = (0..36 * p).map(|_| dyadic(rng, 0.25)).collect::<Vec<_>>();
+    let curve_range = |curve: usize| [[0.0, 1.0], [-0.5, 0.5], [0.25, 2.0]][curve % 3];
+    let curve_ranges = (0..c).flat_map(curve_range).collect::<Vec<_>>();
+    // Predictor, J, P, root, G, floats of scratch, whether joints stretch, C.
+    let stretches = shape.stretches.into();
+    let [number, j32, p32] = [predictor.number().into(), j as u32, p as u32];
+    let counts = [number, j32, p32, root as u32, 0, 0, stretches, c as u32];
     // Diagonal; RMS errors of training, of cross-validation, of linear blend skinning, of rounding,
     // of the base.
     let certificate = [3.0, 0.01, 0.02, 0.04, 0.0, 0.03, 0.05];
     vec![
         (SectionKind::EnvelopeCounts, words(&counts)),
         (SectionKind::Certificate, floats(&certificate)),
-        (SectionKind::Names, names("arm", &joint_names)),
+        (SectionKind::Names, names("arm", &all_names)),
         (SectionKind::Hierarchy, halves(&[parents, order, ranks].concat())),
         (SectionKind::InverseBinds, floats(&inverse_binds)),
         (SectionKind::Keys, keys),
@@ -260,12 +252,16 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
         (SectionKind::Origins, floats(&origins)),
         (SectionKind::Groups, Vec::new()),
         (SectionKind::Corrections, Vec::new()),
+        (SectionKind::StretchRanges, floats(&stretch_ranges)),
+        (SectionKind::KeyStretches, floats(&key_stretches)),
+        (SectionKind::CurveRanges, floats(&curve_ranges)),
     ]
 }
 
 /// Lists joints in evaluation order: root 1, its child 2, then 0, then the rest in order.
 fn evaluation_order(joint_len: usize) -> Vec<usize> {
     match joint_len {
+        0 => Vec::new(),
         1 => vec![0],
         2 => vec![1, 0],
         _ => [1, 2, 0].into_iter().chain(3..joint_len).collect(),
@@ -277,8 +273,10 @@ fn keys(shape: Shape, rng: &mut Rng) -> Vec<u8> {
     let Shape { joints: j, proxies: p, .. } = shape;
     let mut keys = Vec::new();
     for proxy in 0..p {
-        let residual = if proxy % 2 == 0 { NO_JOINT } else { (proxy % j) as u16 };
-        keys.extend(halves(&[((proxy + 2) % j) as u16, residual]));
+        // A kernel sample without joints drops the keys.
+        let joint = |proxy: usize| (proxy % j.max(1)) as u16;
+        let residual = if proxy % 2 == 0 { NO_JOINT } else { joint(proxy) };
+        keys.extend(halves(&[joint(proxy + 2), residual]));
         let matrices = (0..54).map(|at| {
             if at % 18 == 0 { 0.5 } else { dyadic(rng, if at < 18 { 0.5 } else { 0.1 }) }
         });
@@ -299,7 +297,9 @@ fn coefficients(shape: Shape, root: usize, rng: &mut Rng) -> [Vec<Vec<f32>>; 2] 
         for c in 0..3 {
             let rest = c1.iter().skip(c).step_by(3).chain(c2.iter().skip(c).step_by(4));
             let excess = rest.sum::<f32>() - if row % 4 == c { 1.0 } else { 0.0 };
-            c2[4 * root + c] -= excess;
+            if let Some(own) = c2.get_mut(4 * root + c) {
+                *own -= excess;
+            }
         }
     }
     [c1, c2]

@@ -3,7 +3,7 @@
 use crate::bytes::{floats, words};
 use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
-use crate::sample::Shape;
+use crate::shape::{SMALL, Shape};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
 
@@ -179,14 +179,7 @@ impl Pieces {
     /// # Panics
     /// As [`Pieces::sample`] does.
     pub fn shaped() -> [Self; 4] {
-        let shape = Shape {
-            vertices: 150,
-            joints: 6,
-            proxies: 5,
-            influences: 4,
-            tangents: true,
-            coefficients: true,
-        };
+        let shape = Shape { vertices: 150, joints: 6, proxies: 5, influences: 4, ..SMALL };
         let plain = Shape { tangents: false, coefficients: false, ..shape };
         let bare = Shape { tangents: true, ..plain };
         let few = Shape { vertices: 9, tangents: false, ..shape };
@@ -205,4 +198,4 @@ impl Pieces {
 
 /// Names of the golden skins with shapes, which [`Pieces::shaped`] makes.
 pub const SHAPED_NAMES: [&str; 4] =
-    ["shapes-8-f32.snw", "shapes-8-f16.snw", "shapes-8-i8.snw", "shapes-8-few.snw"];
+    ["shapes-9-f32.snw", "shapes-9-f16.snw", "shapes-9-i8.snw", "shapes-9-few.snw"];

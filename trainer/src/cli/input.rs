@@ -38,6 +38,12 @@ pub(super) struct ExampleArguments {
     /// Clip to read, of a scene or of a .npz that names its clips; repeatable [default: all]
     #[arg(long, value_name = "NAME")]
     pub(super) clip: Vec<String>,
+    /// Curve that may move the skin beside the joints; repeatable [default: all of a .npz, none of a scene]
+    #[arg(long, value_name = "NAME", conflicts_with = "curves")]
+    pub(super) curve: Vec<String>,
+    /// Curves that may move the skin beside the joints [default: all of a .npz, none of a scene]
+    #[arg(long, value_name = "CURVES")]
+    pub(super) curves: Option<CurveChoice>,
     /// Weight of each vertex in fits and errors: one number a vertex (.npy, .txt, .csv) [default: from a .npz, else
     /// equal]
     ///
@@ -52,6 +58,15 @@ pub(super) struct ExampleArguments {
     /// Hold out the frames of this clip, NAME or FILE:NAME; repeatable
     #[arg(long, value_name = "NAME", conflicts_with = "hold_out")]
     pub(super) hold_out_clip: Vec<String>,
+}
+
+/// Choice of the curves that a fit reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum CurveChoice {
+    /// Every curve of the file.
+    All,
+    /// No curve: joints alone.
+    None,
 }
 
 impl ExampleArguments {
@@ -72,6 +87,9 @@ impl ExampleArguments {
             let loaded = read(*source, output, load);
             // Warnings about earlier files may explain why a file is refused.
             let mut input = loaded.inspect_err(|_| print_all(&found, is_printed, output))?;
+            if let Some(names) = self.chosen_curves() {
+                input.examples.keep_curves(names).of(source.file)?;
+            }
             join_warnings(&mut found, source.file, input.warnings);
             if let Some(file) = self.importance.get(if given > 1 { number } else { 0 }) {
                 input.examples.set_importance(load_importance(file)?).of(file)?;
@@ -88,6 +106,14 @@ impl ExampleArguments {
         }
         examples.hold_out_clips(&clips, &self.hold_out_clip).with_context(|| self.named())?;
         Ok(Loaded { examples, clips, warnings })
+    }
+
+    /// Returns the names of the curves to keep; `None` for all.
+    fn chosen_curves(&self) -> Option<&[String]> {
+        match self.curves {
+            Some(CurveChoice::None) => Some(&[]),
+            _ => (!self.curve.is_empty()).then_some(&self.curve),
+        }
     }
 
     /// Hashes every file that is read.

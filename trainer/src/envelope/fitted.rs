@@ -36,10 +36,15 @@ impl Fitted {
         let envelope = EnvelopeModel {
             name: NAME.to_owned(),
             skeleton: training.skeleton.clone(),
-            reconstruction,
             groups: Vec::new(),
             pose_ranges: training.poses.angle_ranges(),
             pose_gaps: training.poses.gaps(&training.skeleton.parents, &training.origins),
+            stretch_ranges: training.poses.strain_ranges(),
+            curves: match reconstruction {
+                Some(_) => Vec::new(),
+                None => training.curves(),
+            },
+            reconstruction,
             certificate: Certificate::default(),
         };
         Self { envelope, weights }
@@ -102,6 +107,9 @@ impl Fitted {
             correction_error: rounding::bound(groups, training, &envelope, &skin) as f32,
             base_training_rms: length(certificate.base_training_rms),
         };
+        if examples.skeleton.is_still {
+            envelope = envelope.without_joint();
+        }
         FileModel {
             space: examples.space,
             envelopes: vec![envelope],

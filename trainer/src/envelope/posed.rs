@@ -18,23 +18,55 @@ pub fn influences(skin: &Skin<'_>) -> Vec<Vec<(usize, f64)>> {
     (0..skin.vertex_len()).map(|vertex| of(vertex).map(wide).collect()).collect()
 }
 
+/// What moves a skin in a frame, for the runtime: J skinning matrices and C curves.
+pub struct Pose {
+    joints: Vec<Matrix3x4>,
+    curves: Vec<f32>,
+}
+
+impl Pose {
+    /// Converts the pose of a frame of the examples for an envelope, which may have fewer curves and no joints.
+    pub fn of(envelope: &Envelope<'_>, examples: &Examples, frame: usize) -> Self {
+        let curves = curves_of(envelope, examples, frame);
+        Self::new(envelope, examples.pose(frame), &curves)
+    }
+
+    /// Converts J transforms and C curves.
+    pub fn new(envelope: &Envelope<'_>, joints: &[examples::Matrix3x4], curves: &[f64]) -> Self {
+        let joints = joints.iter().take(envelope.joint_len());
+        Self {
+            joints: joints.map(|m| m.map(|row| row.map(|x| x as f32))).collect(),
+            curves: curves.iter().map(|value| *value as f32).collect(),
+        }
+    }
+}
+
+/// Picks the curves of an envelope, by name; 0 for a curve that the examples lack.
+pub fn curves_of(envelope: &Envelope<'_>, examples: &Examples, frame: usize) -> Vec<f64> {
+    let values = examples.curves_of(frame);
+    let value = |curve: usize| {
+        let name = envelope.curve_name(curve).unwrap_or_default();
+        let place = examples.curve_names.iter().position(|own| own == name);
+        place.map_or(0.0, |place| values[place])
+    };
+    (0..envelope.curve_len()).map(value).collect()
+}
+
 /// Computes the palette of a pose and its confidence.
 ///
-/// - `pose`: the transform of each joint from rest to posed, J.
 /// - `frame`: frame index for errors.
 ///
 /// # Errors
 /// The runtime refuses the pose; the error has the frame.
 pub fn palette(
     envelope: &Envelope<'_>,
-    pose: &[examples::Matrix3x4],
+    pose: &Pose,
     frame: usize,
 ) -> Result<(Vec<Matrix3x4>, f32), Error> {
-    let pose = narrow(pose);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let confidence = envelope
-        .palette(&pose, &mut scratch, &mut palette)
+        .palette(&pose.joints, &pose.curves, &mut scratch, &mut palette)
         .map_err(|error| Error::from(error).in_frame(frame))?;
     Ok((palette, confidence))
 }
@@ -47,13 +79,9 @@ pub fn joint_confidences(
 ) -> Option<Vec<f32>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut found = vec![1.0; envelope.joint_len()];
-    let pose = narrow(examples.pose(frame));
-    let done = envelope.joint_confidences(&pose, &mut scratch, &mut found);
+    let Pose { joints, curves } = Pose::of(envelope, examples, frame);
+    let done = envelope.joint_confidences(&joints, &curves, &mut scratch, &mut found);
     done.ok().map(|()| found)
-}
-
-fn narrow(pose: &[examples::Matrix3x4]) -> Vec<Matrix3x4> {
-    pose.iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
 }
 
 /// Skins a mesh by the palette of a frame. Returns positions and normals, 3V floats each.

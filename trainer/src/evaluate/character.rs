@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::envelope::lbs::blend::Weights;
 use crate::envelope::lbs::weights;
-use crate::envelope::posed::{joint_confidences, palette, rest, skin_on};
+use crate::envelope::posed::{Pose, joint_confidences, palette, rest, skin_on};
 use crate::examples::{Examples, is_same};
 use crate::numeric::affine::{apart, apart_unordered};
 use nalgebra::Vector3;
@@ -78,17 +78,29 @@ impl<'a> Character<'a> {
                  with its texture's seams where that has them"
             )));
         }
-        let (expected, found) = (envelope.joint_len(), examples.joint_len());
+        let joint_names = match examples.skeleton.is_still {
+            true => &[],
+            false => &examples.skeleton.names[..],
+        };
+        let (expected, found) = (envelope.joint_len(), joint_names.len());
         if expected != found {
             return Err(Error::mismatch(format!(
                 "the model has {expected} joints, the examples have {found}: give examples of the skeleton that training had"
             )));
         }
-        for (joint, found) in examples.skeleton.names.iter().enumerate() {
+        for (joint, found) in joint_names.iter().enumerate() {
             let expected = envelope.joint_name(joint).unwrap_or_default();
             if expected != found {
                 return Err(Error::mismatch(format!(
                     "joint {joint} is called {expected} in the model, {found} in the examples"
+                )));
+            }
+        }
+        for curve in (0..envelope.curve_len()).filter_map(|curve| envelope.curve_name(curve)) {
+            if !examples.curve_names.iter().any(|name| name == curve) {
+                return Err(Error::mismatch(format!(
+                    "the model follows curve {curve}, which the examples lack: give examples with the curves that training \
+                     had"
                 )));
             }
         }
@@ -147,7 +159,8 @@ pub fn skin(
     examples: &Examples,
     frame: usize,
 ) -> Result<SkinnedFrame, Error> {
-    let (palette, confidence) = palette(&character.envelope, examples.pose(frame), frame)?;
+    let (palette, confidence) =
+        palette(&character.envelope, &Pose::of(&character.envelope, examples, frame), frame)?;
     let [positions, normals] = skin_on(&character.skin, &palette, frame)?;
     Ok(SkinnedFrame { positions, normals, confidence: f64::from(confidence) })
 }

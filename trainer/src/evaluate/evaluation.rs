@@ -136,7 +136,7 @@ impl Frames {
         if frames.is_empty() {
             return Err(Error::missing(format!("the examples have no {} frame", self.name())));
         }
-        examples.check_rigid_in(&frames)?;
+        examples.check_poses(&frames)?;
         Ok(frames)
     }
 }

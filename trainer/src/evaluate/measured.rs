@@ -18,6 +18,8 @@ pub struct Errors {
     pub rms: f64,
     /// RMS distance in % of the rest diagonal.
     pub rms_percent: f64,
+    /// Mean distance in % of the rest diagonal.
+    pub mean_percent: f64,
     /// 99th percentile of the distances in % of the rest diagonal.
     pub p99_percent: f64,
     /// Largest distance in % of the rest diagonal.
@@ -39,6 +41,8 @@ pub struct Errors {
 pub struct Millimetres {
     /// RMS distance.
     pub rms_mm: f64,
+    /// Mean distance.
+    pub mean_mm: f64,
     /// 99th percentile of the distances.
     pub p99_mm: f64,
     /// Largest distance.
@@ -231,16 +235,20 @@ impl Measured {
         let rms = rms(distances.iter().copied());
         let weighted = distances.iter().filter(|(_, weight)| *weight > 0.0);
         let largest = weighted.map(|(distance, _)| *distance).fold(0.0, f64::max);
+        let sum = |of: fn(&(f64, f64)) -> f64| distances.iter().map(of).sum::<f64>();
+        let mean = sum(|(distance, weight)| distance * weight) / sum(|(_, weight)| *weight);
         let p99 = percentile(&mut distances, 0.99);
-        let [rms_percent, p99_percent, max_percent] = [rms, p99, largest].map(|d| self.percent(d));
+        let [rms_percent, mean_percent, p99_percent, max_percent] =
+            [rms, mean, p99, largest].map(|d| self.percent(d));
         let millimetres = |diagonal: f64| {
-            let [rms_mm, p99_mm, max_mm] =
-                [rms, p99, largest].map(|length| length / self.diagonal * diagonal);
-            Millimetres { rms_mm, p99_mm, max_mm }
+            let [rms_mm, mean_mm, p99_mm, max_mm] =
+                [rms, mean, p99, largest].map(|length| length / self.diagonal * diagonal);
+            Millimetres { rms_mm, mean_mm, p99_mm, max_mm }
         };
         Errors {
             rms,
             rms_percent,
+            mean_percent,
             p99_percent,
             max_percent,
             millimetres: self.diagonal_mm.map(millimetres),

@@ -44,9 +44,23 @@ pub struct Skeleton {
     pub unplaced: Vec<usize>,
     /// Rest frame of each joint in model space, J, rigid. The last column is the rest origin.
     pub rest: Vec<Matrix3x4>,
+    /// Whether the source has no joint: the skin follows curves alone. The skeleton is then one joint that never moves,
+    /// and a model has none.
+    pub is_still: bool,
 }
 
 impl Skeleton {
+    /// Makes the skeleton of a source without joints.
+    pub fn still() -> Self {
+        Self {
+            names: vec!["still".to_owned()],
+            parents: vec![None],
+            rest: vec![translation([0.0; 3])],
+            is_still: true,
+            ..Self::default()
+        }
+    }
+
     /// Returns the root: the first joint without a parent.
     pub fn root(&self) -> usize {
         self.parents.iter().position(Option::is_none).unwrap_or(0)
@@ -79,6 +93,10 @@ pub struct Examples {
     pub own_skin: bool,
     /// Map from the rest pose to the posed joint, N x J, frame-major, model space.
     pub transforms: Vec<Matrix3x4>,
+    /// Names of the curves, C.
+    pub curve_names: Vec<String>,
+    /// Values of the curves, N x C, frame-major; 0 at rest.
+    pub curves: Vec<f64>,
     /// Use of each frame, N.
     pub split: Vec<Split>,
     /// Names and consecutive vertex ranges of the joined meshes; empty for a single mesh, or if unknown.
@@ -201,6 +219,15 @@ impl Examples {
     pub fn pose(&self, index: usize) -> &[Matrix3x4] {
         let joint_len = self.joint_len();
         &self.transforms[index * joint_len..][..joint_len]
+    }
+
+    /// Returns the curves of frame `index`, C.
+    ///
+    /// # Panics
+    /// If `index` is not a frame.
+    pub fn curves_of(&self, index: usize) -> &[f64] {
+        let curve_len = self.curve_names.len();
+        &self.curves[index * curve_len..][..curve_len]
     }
 
     /// Lists the frames with one use, in order.

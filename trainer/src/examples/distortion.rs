@@ -1,14 +1,21 @@
 //! Distance of a joint's map from a rigid map, its limits, and the kind of distortion.
 
 use super::data::Matrix3x4;
+use crate::numeric::affine::parts;
 use nalgebra::Matrix3;
 use std::fmt;
 
 /// Largest deviation of a rigid map (METHOD §1.1): covers f32 rounding.
 pub const RIGID: f64 = 1e-4;
 
-/// Largest deviation that a fit repairs with the nearest rotation; beyond this limit the data is wrong.
+/// Largest deviation of a rest pose that a fit repairs with the nearest rotation; beyond this limit the data is wrong.
 pub(super) const REPAIRABLE: f64 = 1e-2;
+
+/// Largest entry of a joint's strain that counts as rigid. The runtime's check of a pose allows twice as much.
+pub(super) const STRETCHES: f64 = 1e-3;
+
+/// Least determinant of a joint's map. The runtime takes a joint with a lesser one as hidden.
+pub(super) const HIDDEN: f64 = 1e-3;
 
 /// Kind of a matrix that is not a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +26,8 @@ pub enum Distortion {
     Scales(f64),
     /// A scale along orthogonal axes; the factors, largest first.
     Stretches([f64; 3]),
+    /// A scale of about 0, along one axis or more.
+    Hides,
     /// A last row other than 0 0 0 1.
     Projects,
 }
@@ -54,11 +63,24 @@ impl fmt::Display for Distortion {
                 "is scaled or sheared, by {x:.4}, {y:.4} and {z:.4}: joints only turn and move; remove its \
                  scale keys, and stretch in its constraints, and export again"
             ),
+            Self::Hides => f.write_str(
+                "is scaled to 0: leave the frames out in which it is hidden, or remove its scale keys",
+            ),
             Self::Projects => f.write_str(
                 "has a matrix whose last row is not 0 0 0 1: matrices are row by row, with the translation in \
                  the last column; is it transposed?",
             ),
         }
+    }
+}
+
+/// Returns the fault of a posed joint's map, if it mirrors or is scaled to about 0.
+pub(super) fn fault(map: &Matrix3x4) -> Option<Distortion> {
+    let volume = parts(map).0.determinant();
+    if volume < -HIDDEN {
+        Some(Distortion::Mirrors)
+    } else {
+        (volume < HIDDEN).then_some(Distortion::Hides)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Fingerprints of frames (METHOD §1.11) and of files.
+//! Fingerprints of frames (METHOD §1.12) and of files.
 
 use super::Examples;
 use sha2::{Digest, Sha256};

@@ -1,8 +1,8 @@
 //! Joints: idle joints, the single root, and estimated rest origins.
 
-use super::distortion::{RIGID, deviation};
+use super::distortion::{RIGID, STRETCHES, deviation};
 use super::{Examples, Matrix3x4, Skeleton, Split, Warning};
-use crate::numeric::affine::{joined, parts, to_rows};
+use crate::numeric::affine::{joined, parts, strain, to_rows};
 use crate::numeric::so3::polar;
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,9 +11,35 @@ use nalgebra::{Matrix3, Vector3};
 const LEAST_TURN: (f64, f64) = (1e-3, 1e-5);
 
 impl Examples {
+    /// Removes scales that no fit needs: of whole frames, and of idle joints. Returns a warning for each.
+    pub(crate) fn unscale(&mut self) -> impl Iterator<Item = Warning> + use<> {
+        let of_frames = self.unscale_frames();
+        of_frames.into_iter().chain(self.unscale_idle_joints())
+    }
+
+    /// Divides each frame by the uniform scale of its first joint, as a runtime does with the scale of an actor. Returns
+    /// a warning with the number of scaled frames and the largest scale.
+    fn unscale_frames(&mut self) -> Option<Warning> {
+        let (joint_len, vertex_len) = (self.joint_len(), self.vertex_len());
+        let (mut frames, mut most) = (0, 1.0);
+        for frame in 0..self.transforms.len() / joint_len.max(1) {
+            let pose = &mut self.transforms[frame * joint_len..][..joint_len];
+            let Some(scale) = pose.first().and_then(uniform_scale) else { continue };
+            pose.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|x| *x /= scale);
+            let posed = self.vertices.iter_mut().skip(frame * vertex_len).take(vertex_len);
+            posed.for_each(|x| *x = x.map(|x| x / scale));
+            frames += 1;
+            if f64::abs(scale.ln()) > f64::abs(f64::ln(most)) {
+                most = scale;
+            }
+        }
+        let joint = self.skeleton.names.first()?.clone();
+        (frames > 0).then_some(Warning::FramesScaled { joint, frames, most })
+    }
+
     /// Removes the scale of idle joints, such as sockets; keeps their rotation and translation. Returns a warning with
     /// the names of the scaled joints.
-    pub(crate) fn unscale_idle_joints(&mut self) -> Option<Warning> {
+    fn unscale_idle_joints(&mut self) -> Option<Warning> {
         let joint_len = self.joint_len();
         let Skeleton { parents, rest, .. } = &self.skeleton;
         if parents.len() != joint_len || rest.len() != joint_len {
@@ -39,6 +65,17 @@ impl Examples {
             }
         }
         (!joints.is_empty()).then_some(Warning::IdleScaled(joints))
+    }
+
+    /// Returns whether each joint stretches in a training frame, J.
+    pub fn stretching_joints(&self) -> Vec<bool> {
+        let mut stretching = vec![false; self.joint_len()];
+        for frame in self.frames_of(Split::Train) {
+            for (stretches, map) in stretching.iter_mut().zip(self.pose(frame)) {
+                *stretches |= strain(&parts(map).0).iter().any(|x| x.abs() > STRETCHES);
+            }
+        }
+        stretching
     }
 
     /// Estimates the rest origins of joints without a rest position in the source, from the training frames. Call again
@@ -85,6 +122,19 @@ pub(super) fn join_roots(
     }
     others.iter().for_each(|&root| parents[root] = Some(reference));
     (parents, others.to_vec())
+}
+
+/// Returns the scale of a map that scales all directions alike; `None` if the map is rigid or scales unevenly.
+fn uniform_scale(map: &Matrix3x4) -> Option<f64> {
+    let (linear, _) = parts(map);
+    let products = linear.transpose() * linear;
+    let square = products.trace() / 3.0;
+    let uneven = (products - Matrix3::from_diagonal_element(square)).amax();
+    let is_scaled = square.is_normal()
+        && uneven <= 2.0 * STRETCHES * square
+        && (square - 1.0).abs() > 2.0 * STRETCHES
+        && linear.determinant() > 0.0;
+    is_scaled.then(|| square.sqrt())
 }
 
 /// Returns the rigid map with the rotation of `map` that moves `origin` to the same place.

@@ -3,6 +3,7 @@
 //! The `split` array of an `.npz` chooses the training frames (`import/npz/fields.rs`). Without the array every frame
 //! trains. [`Examples::hold_out`] replaces the split. Cross-validation folds are in `envelope/folds`.
 
+mod curves;
 mod data;
 pub mod demo;
 mod distortion;

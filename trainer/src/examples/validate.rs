@@ -1,6 +1,6 @@
 //! Final checks of every importer. Fits rely on them and do not check again.
 
-use super::distortion::{Distortion, REPAIRABLE, RIGID, deviation};
+use super::distortion::{Distortion, REPAIRABLE, RIGID, deviation, fault};
 use super::{Examples, Matrix3x4, Split, Warning};
 use crate::Error;
 use crate::space::SpaceRequest;
@@ -57,10 +57,10 @@ impl Origin<'_> {
 }
 
 impl Examples {
-    /// Checks counts, joints, finiteness, faces and rigidity, in this order.
+    /// Checks counts, joints, finiteness, faces and the joints' maps, in this order.
     ///
-    /// A map within 1e-4 of rigid passes. A map within 1e-2 gives a warning, and a fit uses the nearest rotation.
-    /// Beyond 1e-2 a training frame gives an error. Other frames, which no fit reads, give a warning.
+    /// A rest frame within 1e-4 of rigid passes, and within 1e-2 gives a warning. A joint that is more than 1e-3 off a
+    /// rotation in a training frame stretches.
     ///
     /// # Errors
     /// - [`Mismatch`](crate::ErrorKind::Mismatch): counts differ, a vertex has no engine vertex, or an engine triangle
@@ -81,28 +81,27 @@ impl Examples {
         self.check_numbers(origin)?;
         let mut warnings = self.check_faces()?;
         self.check_engine(origin)?;
-        self.check_rigid(&self.skeleton.rest, None)?;
-        self.check_rigid_in(&self.frames_of(Split::Train))?;
+        let mut rest = self.skeleton.rest.iter().zip(&self.skeleton.names);
+        if let Some((map, joint)) = rest.find(|(map, _)| deviation(map) > REPAIRABLE) {
+            return Err(distorted(joint, &Distortion::of(map), None));
+        }
+        self.check_poses(&self.frames_of(Split::Train))?;
         self.report_rigidity(&self.skeleton.rest, false, &mut warnings);
         self.report_rigidity(&self.transforms, true, &mut warnings);
         Ok(warnings)
     }
 
-    /// Checks that the joints of some frames are within 1e-2 of rigid. [`Examples::validate`] checks the training
+    /// Checks that no joint is mirrored or scaled to 0 in some frames. [`Examples::validate`] checks the training
     /// frames.
     ///
     /// # Errors
-    /// A joint is not rigid in a frame.
-    pub fn check_rigid_in(&self, frames: &[usize]) -> Result<(), Error> {
-        frames.iter().try_for_each(|&frame| self.check_rigid(self.pose(frame), Some(frame)))
-    }
-
-    fn check_rigid(&self, maps: &[Matrix3x4], frame: Option<usize>) -> Result<(), Error> {
-        let mut joints = maps.iter().zip(&self.skeleton.names);
-        match joints.find(|(map, _)| deviation(map) > REPAIRABLE) {
-            Some((map, joint)) => Err(not_rigid(joint, &Distortion::of(map), frame)),
-            None => Ok(()),
-        }
+    /// A joint is mirrored or scaled to 0 in a frame.
+    pub fn check_poses(&self, frames: &[usize]) -> Result<(), Error> {
+        frames.iter().try_for_each(|&frame| {
+            let mut joints = self.pose(frame).iter().zip(&self.skeleton.names);
+            let found = joints.find_map(|(map, joint)| Some((fault(map)?, joint)));
+            found.map_or(Ok(()), |(fault, joint)| Err(distorted(joint, &fault, Some(frame))))
+        })
     }
 
     /// Returns the triangles with an area in the rest pose. Only these enter the equations of a fit.
@@ -134,6 +133,8 @@ impl Examples {
         same("positions", "split and rest", expected, "vertices", self.vertices.len())?;
         let expected = self.frame_len() * joints;
         same("maps", "split and bone_names", expected, "bone_transforms", self.transforms.len())?;
+        let expected = self.frame_len() * self.curve_names.len();
+        same("values", "split and curve_names", expected, "curves", self.curves.len())?;
         SpaceRequest::all_of(&self.space).of(self.space)?;
         self.check_ranges()?;
         if let Some(weights) = &self.joint_weights {
@@ -170,11 +171,13 @@ impl Examples {
 
     fn check_joints(&self) -> Result<(), Error> {
         let names = &self.skeleton.names;
-        for (second, name) in names.iter().enumerate() {
-            if let Some(first) = names[..second].iter().position(|other| other == name) {
-                return Err(Error::value(format!(
-                    "joints {first} and {second} are both called {name}"
-                )));
+        for (what, names) in [("joints", names), ("curves", &self.curve_names)] {
+            for (second, name) in names.iter().enumerate() {
+                if let Some(first) = names[..second].iter().position(|other| other == name) {
+                    return Err(Error::value(format!(
+                        "{what} {first} and {second} are both called {name}"
+                    )));
+                }
             }
         }
         let parents = &self.skeleton.parents;
@@ -218,6 +221,9 @@ impl Examples {
         numbers(origin.rest_pose, frames, None, joint)?;
         let maps = self.transforms.iter().map(|map| map.as_flattened());
         numbers(origin.pose, maps, Some((self.joint_len(), trained)), joint)?;
+        let curve = |number: usize| format!("curve {}", self.curve_names[number]);
+        let values = self.curves.chunks(1);
+        numbers("array curves", values, Some((self.curve_names.len(), trained)), curve)?;
         let mut all = self.joint_weights.iter().flatten().enumerate();
         let Some((place, &number)) = all.find(|(_, number)| !is_weight(**number)) else {
             return Ok(());
@@ -306,6 +312,7 @@ impl Examples {
     ///
     /// - `maps`: frame-major, or one per joint for the rest pose.
     fn report_rigidity(&self, maps: &[Matrix3x4], posed: bool, warnings: &mut Vec<Warning>) {
+        let stretching = self.stretching_joints();
         for (number, joint) in self.skeleton.names.iter().enumerate() {
             let deviations =
                 maps.chunks_exact(self.joint_len()).map(|maps| deviation(&maps[number]));
@@ -313,6 +320,10 @@ impl Examples {
             let Some((worst, deviation)) = off.clone().max_by(|a, b| a.1.total_cmp(&b.1)) else {
                 continue;
             };
+            if deviation > REPAIRABLE && stretching[number] {
+                // The joint stretches by design.
+                continue;
+            }
             warnings.push(Warning::NonRigidJoint {
                 joint: joint.clone(),
                 matrix_len: off.count(),
@@ -401,8 +412,8 @@ pub(super) fn missing_parent(joint: &str, parent: impl Display) -> Error {
     Error::missing(format!("joint {joint} has parent {parent}, which does not exist"))
 }
 
-/// Creates the error of a joint that is not rigid in a frame, or in the rest pose.
-pub(super) fn not_rigid(joint: &str, distortion: &Distortion, frame: Option<usize>) -> Error {
+/// Creates the error of a joint whose map is wrong in a frame, or in the rest pose.
+pub(super) fn distorted(joint: &str, distortion: &Distortion, frame: Option<usize>) -> Error {
     match frame {
         Some(frame) => Error::value(format!("joint {joint} {distortion}")).in_frame(frame),
         None => Error::value(format!("in the rest pose, joint {joint} {distortion}")),

@@ -22,7 +22,7 @@ pub enum Severity {
 pub enum Warning {
     /// Some content of a file was ignored.
     Format(FormatWarning),
-    /// A joint's maps are not quite rigid; a fit uses the nearest rotation of each.
+    /// A joint's maps are not quite rigid, by rounding or by noise.
     NonRigidJoint {
         /// Name of the joint.
         joint: String,
@@ -48,6 +48,15 @@ pub enum Warning {
     },
     /// Idle joints had a scale, which was removed.
     IdleScaled(Vec<String>),
+    /// The first joint scales the whole character in some frames; the scale was divided out.
+    FramesScaled {
+        /// Name of the joint.
+        joint: String,
+        /// Number of the frames.
+        frames: usize,
+        /// Scale that differs most from 1.
+        most: f64,
+    },
     /// The animation's rest pose differs from the character's, so the character's rest pose is used.
     RestOfCharacter,
     /// The meshes to learn are the scene's own linear blend skinning.
@@ -104,6 +113,7 @@ impl Warning {
             | Self::RepeatedVertex(_)
             | Self::ZeroArea(_)
             | Self::IdleScaled(_)
+            | Self::FramesScaled { .. }
             | Self::Format(FormatWarning::NormalsRepaired { .. }) => Severity::Note,
             _ => Severity::Warning,
         }
@@ -159,6 +169,11 @@ impl fmt::Display for Warning {
                 list(f, "joints that it does not have follow their parents", joints)?;
                 mismatch.as_ref().map_or(Ok(()), |mismatch| write!(f, "; {mismatch}"))
             }
+            Warning::FramesScaled { joint, frames, most } => write!(
+                f,
+                "joint {joint} scales the whole character in {frames} frames, by up to {most:.4}; the scale was divided \
+                 out of joints and meshes"
+            ),
             Warning::IdleScaled(joints) => {
                 list(f, "scaled joints that move no vertex are taken without their scale", joints)
             }

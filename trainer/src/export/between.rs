@@ -8,7 +8,7 @@ use super::played::Played;
 use super::skeleton::{isometry, parents_first, rows, square, wide};
 use super::stretch::Stretch;
 use crate::Error;
-use crate::envelope::posed::palette;
+use crate::envelope::posed::{Pose, palette};
 use crate::examples::Matrix3x4;
 
 /// Largest distance of a vertex from its true position between two keys, in diagonals: half the bound in `--help`.
@@ -24,6 +24,8 @@ pub(super) struct Key {
     pub(super) time: f32,
     /// Maps of the joints from rest to the pose.
     pub(super) pose: Vec<Matrix3x4>,
+    /// Curves of the envelope.
+    pub(super) curves: Vec<f64>,
     /// The palette that the runtime predicts.
     pub(super) palette: Vec<sinew_runtime::Matrix3x4>,
 }
@@ -92,8 +94,11 @@ impl<'a> Between<'a> {
         }
         let at = |part: f64| -> Result<Key, Error> {
             let pose = self.pose(from, to, part);
-            let (palette, _) = palette(&self.envelope, &pose, frame)?;
-            Ok(Key { time, pose, palette })
+            let curves = from.curves.iter().zip(&to.curves);
+            let curves: Vec<f64> = curves.map(|(a, b)| a + part * (b - a)).collect();
+            let own = Pose::new(&self.envelope, &pose, &curves);
+            let (palette, _) = palette(&self.envelope, &own, frame)?;
+            Ok(Key { time, pose, curves, palette })
         };
         let is_near = |part| -> Result<bool, Error> {
             Ok(self.deviation(from, to, part, &at(part)?) <= self.near)

@@ -61,15 +61,18 @@ impl<'a> Playback<'a> {
 /// Adds keys where the motion of helpers is not even between keys.
 fn fill(played: &mut Played<'_>, diagonal: f64, clips: &[Clip]) -> Result<(), Error> {
     let between = Between::new(played, diagonal);
-    let (poses, palettes) = (take(&mut played.poses), take(&mut played.palettes));
-    let mut known = poses.into_iter().zip(palettes);
+    let (poses, curves) = (take(&mut played.poses), take(&mut played.curves));
+    let mut known = poses.into_iter().zip(curves).zip(take(&mut played.palettes));
     for (times, clip) in played.times.iter_mut().zip(clips) {
         let keys = times.iter().zip(known.by_ref());
-        let keys = keys.map(|(&time, (pose, palette))| Key { time, pose, palette }).collect();
+        let keys = keys
+            .map(|(&time, ((pose, curves), palette))| Key { time, pose, curves, palette })
+            .collect();
         let keys = between.refine(keys, clip.first)?;
         *times = keys.iter().map(|key| key.time).collect();
-        for Key { pose, palette, .. } in keys {
+        for Key { pose, curves, palette, .. } in keys {
             played.poses.push(pose);
+            played.curves.push(curves);
             played.palettes.push(palette);
         }
     }

@@ -8,7 +8,7 @@ use super::proxies;
 use super::skeleton::times;
 use crate::Error;
 use crate::envelope::levels::Influences;
-use crate::envelope::posed::{influences, palette, rest};
+use crate::envelope::posed::{Pose, curves_of, influences, palette, rest};
 use crate::evaluate::Character;
 use crate::examples::{Clip, Examples, Matrix3x4, Skeleton};
 use crate::space::Conversion;
@@ -32,6 +32,8 @@ pub(super) struct Played<'a> {
     pub(super) times: Vec<Vec<f32>>,
     /// Maps of the joints at the keys, one clip after another.
     pub(super) poses: Vec<Vec<Matrix3x4>>,
+    /// Curves of the envelope at the keys.
+    pub(super) curves: Vec<Vec<f64>>,
     /// Palette of each key.
     pub(super) palettes: Vec<Vec<sinew_runtime::Matrix3x4>>,
     /// Influences of the skin's vertices.
@@ -58,10 +60,13 @@ impl<'a> Played<'a> {
         let times = times(clips)?;
         let frames: Vec<usize> =
             clips.iter().flat_map(|clip| clip.first..clip.first + clip.times.len()).collect();
-        examples.check_rigid_in(&frames)?;
+        examples.check_poses(&frames)?;
         let palettes = frames
             .par_iter()
-            .map(|&frame| Ok(palette(&character.envelope, examples.pose(frame), frame)?.0))
+            .map(|&frame| {
+                let pose = Pose::of(&character.envelope, examples, frame);
+                Ok(palette(&character.envelope, &pose, frame)?.0)
+            })
             .collect::<Result<Vec<_>, Error>>()?;
         Ok(Self {
             character,
@@ -71,6 +76,7 @@ impl<'a> Played<'a> {
             skeleton: examples.skeleton.clone(),
             times,
             poses: frames.iter().map(|&frame| examples.pose(frame).to_vec()).collect(),
+            curves: frames.iter().map(|&f| curves_of(&character.envelope, examples, f)).collect(),
             palettes,
             influences: influences(&character.skin),
             centres: Vec::new(),

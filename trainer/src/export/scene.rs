@@ -152,9 +152,10 @@ pub fn by_use(examples: Examples) -> (Examples, Vec<Clip>) {
     let mut vertices = Vec::with_capacity(examples.vertices.len());
     frames.iter().for_each(|&frame| vertices.extend_from_slice(examples.frame(frame)));
     let transforms = frames.iter().flat_map(|&frame| examples.pose(frame)).copied().collect();
+    let curves = frames.iter().flat_map(|&frame| examples.curves_of(frame)).copied().collect();
     let split = frames.iter().map(|&frame| examples.split[frame]).collect();
     let clip_starts = clips.iter().map(|clip| clip.first).collect();
-    (Examples { vertices, transforms, split, clip_starts, ..examples }, clips)
+    (Examples { vertices, transforms, curves, split, clip_starts, ..examples }, clips)
 }
 
 /// Writes examples as a rigged character: the skeleton, the rest mesh with four LBS weights a vertex, fitted to the

@@ -41,6 +41,20 @@ pub fn after(a: &Matrix3x4<f64>, b: &Matrix3x4<f64>) -> Matrix3x4<f64> {
     out
 }
 
+/// Strain of a linear part L, (LᵀL - I) / 2: xx, xy, xz, yy, yz, zz.
+pub type Strain = [f64; 6];
+
+/// Returns the strain of a linear part; 0 for a rotation.
+pub fn strain(linear: &Matrix3<f64>) -> Strain {
+    let strain = (linear.transpose() * linear - Matrix3::identity()) * 0.5;
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|at| strain[at])
+}
+
+/// Returns the Frobenius norm of a strain. Entries off the diagonal count twice.
+pub fn strain_norm([xx, xy, xz, yy, yz, zz]: &Strain) -> f64 {
+    (xx * xx + yy * yy + zz * zz + 2.0 * (xy * xy + xz * xz + yz * yz)).sqrt()
+}
+
 /// Returns `a⁻¹ b` for a rigid `a`: b in the frame of a.
 pub fn seen_from(a: &Matrix3x4<f64>, b: &Matrix3x4<f64>) -> Matrix3x4<f64> {
     let mut apart = *b;

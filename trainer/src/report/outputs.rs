@@ -51,7 +51,7 @@ pub fn frames_csv(comparison: &Comparison<'_>) -> Result<Vec<u8>, csv::Error> {
             row.extend([rms_percent, p99_percent, max_percent].map(|error| error.to_string()));
             row.push(frame.worst_vertex().to_string());
             row.extend(series.model().map(|_| frame.confidence.to_string()));
-            if let Some(Millimetres { rms_mm, p99_mm, max_mm }) = millimetres {
+            if let Some(Millimetres { rms_mm, p99_mm, max_mm, .. }) = millimetres {
                 row.extend([rms_mm, p99_mm, max_mm].map(|length| length.to_string()));
             }
         }

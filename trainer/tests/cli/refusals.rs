@@ -77,17 +77,19 @@ fn joints_that_form_no_tree_are_refused_by_name() {
 }
 
 #[test]
-fn matrices_that_are_not_rigid_are_refused_by_frame_and_joint() {
-    let scaled = |set: &mut Set| {
+fn mirrored_and_flat_matrices_are_refused_by_frame_and_joint() {
+    fn scaled(set: &mut Set, factor: f64) {
         let place = 16 * (5 * set.joint_len() + 6);
         for axis in [0, 1, 2] {
-            set.reals.get_mut("bone_transforms").unwrap().1[place + axis] *= 2.0;
+            set.reals.get_mut("bone_transforms").unwrap().1[place + axis] *= factor;
         }
-    };
-    let expected = "bad.npz: frame 5: joint hand is scaled or sheared, by 2.0000, 1.0000 and \
-                    1.0000: joints only turn and move; remove its scale keys, and stretch in its \
-                    constraints, and export again";
-    refused("rigid", scaled, expected);
+    }
+    let expected = "bad.npz: frame 5: joint hand is scaled to 0: leave the frames out in which it is \
+                    hidden, or remove its scale keys";
+    refused("flat", |set: &mut Set| scaled(set, 0.0), expected);
+    let expected = "bad.npz: frame 5: joint hand is mirrored: apply the scale of the armature and of \
+                    its parents (in Blender Ctrl+A) and export again";
+    refused("turned", |set: &mut Set| scaled(set, -1.0), expected);
     let mirrored = |set: &mut Set| {
         for axis in [0, 1, 2] {
             set.reals.get_mut("joint_world_rest").unwrap().1[axis] *= -1.0;

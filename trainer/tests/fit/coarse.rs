@@ -238,10 +238,11 @@ fn painted_weights_stay_on_a_hinge_that_positions_do_not_determine() {
             names: ["root", "mid", "tip"].map(str::to_owned).to_vec(),
             parents: vec![None, Some(0), Some(1)],
             rest: [0.0, 1.0, 2.0].map(at).to_vec(),
-            roots: Vec::new(),
-            unplaced: Vec::new(),
+            ..Skeleton::default()
         },
         transforms: strip.palettes.iter().flatten().map(rows).collect(),
+        curve_names: Vec::new(),
+        curves: Vec::new(),
         split: vec![Split::Train; frames],
         ranges: Vec::new(),
         clip_starts: vec![0],

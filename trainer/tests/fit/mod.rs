@@ -6,6 +6,7 @@ mod coarse;
 mod full;
 mod held_out;
 mod importance;
+mod moving;
 mod normals;
 mod numbers;
 mod odd_characters;

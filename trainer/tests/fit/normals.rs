@@ -9,6 +9,7 @@ use sinew_runtime::format::Space;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Shapes, SkinModel};
 use sinew_trainer::envelope::normals::{Fan, PosedSurface};
+use sinew_trainer::envelope::oracle::Pose;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, train};
 use sinew_trainer::evaluate::{Frames, evaluate};
@@ -261,7 +262,8 @@ fn proxies_in_another_order_predict_the_same_bits() {
         for frame in [3, 17] {
             let pose: Vec<Map> =
                 examples.pose(frame).iter().map(|rows| Map::from_fn(|r, c| rows[r][c])).collect();
-            let (expected, found) = (envelope.evaluate(&pose).0, other.evaluate(&pose).0);
+            let pose = Pose { joints: &pose, curves: &[] };
+            let (expected, found) = (envelope.evaluate(pose).0, other.evaluate(pose).0);
             for (place, &proxy) in order.iter().enumerate() {
                 assert_eq!(found[place], expected[proxy], "{first} {place}");
             }

@@ -19,6 +19,8 @@ fn set(file: &str) -> Option<(Examples, Vec<u8>)> {
         groups: Vec::new(),
         pose_ranges: poses.angle_ranges(),
         pose_gaps: poses.gaps(&skeleton.parents, &origins),
+        stretch_ranges: None,
+        curves: Vec::new(),
         certificate: Certificate { diagonal: examples.diagonal() as f32, ..Certificate::default() },
         skeleton,
     };
@@ -84,7 +86,7 @@ fn named(
     poses: &[Vec<Matrix3x4>],
     (_, _, factor, kind): &Mistake,
 ) -> [usize; 2] {
-    let faults = poses.iter().filter_map(|pose| envelope.check_pose(pose).err());
+    let faults = poses.iter().filter_map(|pose| envelope.check_pose(pose, &[]).err());
     faults.fold([0, 0], |[refused, right], fault| {
         let has_name = fault.kind == *kind && (fault.factor / factor - 1.0).abs() < 0.01;
         [refused + 1, right + usize::from(has_name)]
@@ -99,7 +101,7 @@ fn poses_of_a_body_are_accepted_and_mistakes_named() {
     let poses = poses(&examples);
     assert_eq!(poses.len(), 220);
     for pose in &poses {
-        assert_eq!(envelope.check_pose(pose), Ok(()));
+        assert_eq!(envelope.check_pose(pose, &[]), Ok(()));
     }
     let all = poses.len();
     let enough = |[refused, right]: [usize; 2], what: &str| {
@@ -183,7 +185,7 @@ fn joints_that_part_are_accepted_within_their_trained_range() {
     assert_eq!(poses.len(), 400);
     let gaps: Vec<_> = (0..envelope.joint_len()).map(|j| envelope.pose_gap(j).unwrap()).collect();
     for pose in &poses {
-        assert_eq!(envelope.check_pose(pose), Ok(()));
+        assert_eq!(envelope.check_pose(pose, &[]), Ok(()));
     }
     assert!(gaps.iter().any(|gap| *gap > 0.01 * envelope.certificate().diagonal), "{gaps:?}");
 }

@@ -4,6 +4,7 @@ use crate::fit::full::Full;
 use nalgebra::Matrix3x4 as Transform;
 use sinew_runtime::{Matrix3x4, Model};
 use sinew_trainer::envelope::model::EnvelopeModel;
+use sinew_trainer::envelope::oracle::Pose;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::evaluate::{Frames, evaluate};
@@ -37,10 +38,13 @@ fn a_published_fit_is_near_and_not_exact_at_rest_and_its_file_is_the_oracle() {
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     assert_eq!(palette.len(), 2 * proxies);
     let mut of = |pose: &[Matrix3x4]| {
-        envelope.palette(pose, &mut scratch, &mut palette).unwrap();
+        envelope.palette(pose, &[], &mut scratch, &mut palette).unwrap();
         let wide = |m: &Matrix3x4| Transform::from_fn(|r, c| f64::from(m[r][c]));
         let pose: Vec<_> = pose.iter().map(wide).collect();
-        (palette.iter().map(wide).collect::<Vec<_>>(), oracle.evaluate(&pose).0)
+        (
+            palette.iter().map(wide).collect::<Vec<_>>(),
+            oracle.evaluate(Pose { joints: &pose, curves: &[] }).0,
+        )
     };
     for frame in examples.frames_of(Split::HeldOut) {
         let pose: Vec<Matrix3x4> =

@@ -43,10 +43,11 @@ fn bent(rest: Vec<[f64; 3]>, triangles: Vec<[usize; 3]>) -> Examples {
             names: vec!["root".into(), "tip".into()],
             parents: vec![None, Some(0)],
             rest: vec![IDENTITY; 2],
-            roots: Vec::new(),
-            unplaced: Vec::new(),
+            ..Skeleton::default()
         },
         transforms: (0..FRAMES).flat_map(|frame| [IDENTITY, rows(turn(frame))]).collect(),
+        curve_names: Vec::new(),
+        curves: Vec::new(),
         split: (0..FRAMES)
             .map(|frame| if frame % 4 == 3 { Split::HeldOut } else { Split::Train })
             .collect(),

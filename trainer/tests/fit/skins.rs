@@ -54,7 +54,7 @@ fn palette(model: &Model<&[u8]>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
     let envelope = model.envelope().unwrap();
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    envelope.palette(pose, &mut scratch, &mut palette).unwrap();
+    envelope.palette(pose, &[], &mut scratch, &mut palette).unwrap();
     palette
 }
 

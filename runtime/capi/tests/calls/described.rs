@@ -1,11 +1,12 @@
 //! Descriptions of models, envelopes and skins.
 
-use crate::handles::{Loaded, NONE, done, get, name};
+use crate::handles::{Loaded, NONE, done, get, name, unwritten};
 use crate::{Both, each};
 use models::{Pieces, head};
 use sinew_capi::*;
 use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_runtime::{LocalTransform, Model};
+use std::ptr::null;
 
 #[test]
 fn versions_and_sizes_are_right() {
@@ -25,8 +26,8 @@ fn default_limits_are_the_runtimes() {
     // SAFETY: one structure to be written.
     let found = get(|out| unsafe { sinew_limits_default(out, NONE) });
     let expected = sinew_runtime::Limits::DEFAULT;
-    let sinew_limits { file_bytes, parts, sections, vertices, joints, proxies, influences, shapes } =
-        found;
+    let sinew_limits { file_bytes, parts, sections, vertices, .. } = found;
+    let sinew_limits { joints, proxies, influences, shapes, curves, .. } = found;
     let found = sinew_runtime::Limits {
         file_bytes,
         parts,
@@ -36,6 +37,7 @@ fn default_limits_are_the_runtimes() {
         proxies,
         influences,
         shapes,
+        curves,
     };
     assert_eq!(found, expected);
 }
@@ -102,6 +104,8 @@ fn envelopes_are_described() {
         assert_eq!(info.part as usize, envelope.part());
         assert_eq!(info.predictor as u32, u32::from(envelope.predictor().number()));
         assert_eq!(info.joint_len, envelope.joint_len());
+        assert_eq!(info.curve_len, envelope.curve_len());
+        assert_eq!(info.stretches == 1, envelope.stretches());
         assert_eq!(info.proxy_len, envelope.proxy_len());
         assert_eq!(info.palette_len, envelope.palette_len());
         assert_eq!(info.scratch_len, envelope.scratch_len());
@@ -150,6 +154,7 @@ fn joints_are_those_of_the_file() {
             assert_eq!(parent.map(|parent| parent as usize), envelope.parent(joint));
             assert_eq!(Some(found.pose_range), envelope.pose_range(joint));
             assert_eq!(Some(found.pose_gap), envelope.pose_gap(joint));
+            assert_eq!(Some(found.stretch_range), envelope.stretch_range(joint));
             assert_eq!(Some(found.inverse_bind.rows), envelope.inverse_bind(joint));
             let sinew_local_transform { rotation, translation } = found.rest_local;
             let local = LocalTransform { rotation, translation };
@@ -161,6 +166,25 @@ fn joints_are_those_of_the_file() {
         done(unsafe { sinew_envelope_order(found.handle, at, len, NONE) });
         let order = order.into_iter().map(|joint| joint as usize).collect::<Vec<_>>();
         assert_eq!(order, envelope.evaluation_order().collect::<Vec<_>>());
+    });
+}
+
+#[test]
+fn curves_are_those_of_the_file() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        for curve in 0..envelope.curve_len() {
+            // SAFETY: an open envelope and one structure to be written.
+            let found = get(|out| unsafe { sinew_envelope_curve(found.handle, curve, out, NONE) });
+            assert_eq!(Some(name(found.name, found.name_len)), envelope.curve_name(curve));
+            assert_eq!(Some([found.min, found.max]), envelope.curve_range(curve));
+        }
+        let mut out = sinew_curve { name: null(), name_len: 0, min: 0.0, max: 0.0 };
+        let mut error = unwritten();
+        let (len, out, out_error) = (envelope.curve_len(), &raw mut out, &raw mut error);
+        // SAFETY: an open envelope and two structures to be written.
+        let status = unsafe { sinew_envelope_curve(found.handle, len, out, out_error) };
+        assert_eq!((status, error.found), (sinew_status::OutOfRange, len));
+        assert_eq!(error.argument, sinew_argument::Curve);
     });
 }
 

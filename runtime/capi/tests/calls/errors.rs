@@ -168,6 +168,37 @@ fn errors_say_what_was_expected_and_found() {
     });
 }
 
+/// Curves are checked as a pose is: length, pointer, and memory that is written.
+#[test]
+fn curves_are_refused_as_a_pose_is() {
+    let file = Pieces::small(Predictor::Kernel).bytes();
+    with(&file, |Both { c: (envelope, _), .. }| {
+        let info = envelope.info();
+        let pose = vec![common::IDENTITY; info.joint_len];
+        let mut palette = vec![[[0.0; 4]; 3]; info.palette_len];
+        let mut scratch = vec![0.0; info.scratch_len + info.curve_len + 1];
+        let (at, out, out_len) = (scratch.as_mut_ptr(), palette.as_mut_ptr().cast(), palette.len());
+        let call = |curves: *const f32, curves_len: usize| {
+            let (e, from, len) = (envelope.handle, matrices(&pose), pose.len());
+            let mut error = unwritten();
+            let (s_len, none, out_error) = (info.scratch_len, null_mut(), &raw mut error);
+            // SAFETY: an open envelope and arrays with their lengths; the call refuses the curves.
+            let status = unsafe {
+                sinew_envelope_palette(
+                    e, from, len, curves, curves_len, at, s_len, out, out_len, none, out_error,
+                )
+            };
+            (status, error.argument, error.expected, error.found)
+        };
+        let (len, curves) = (info.curve_len, sinew_argument::Curves);
+        let free = at.wrapping_add(info.scratch_len);
+        assert_eq!(call(free, len + 1), (sinew_status::Length, curves, len, len + 1));
+        assert_eq!(call(null(), len + 1), (sinew_status::Null, curves, 0, 0));
+        assert_eq!(call(at, len + 1), (sinew_status::Overlap, sinew_argument::Scratch, 0, 0));
+        assert!(palette.iter().all(|transform| *transform == [[0.0; 4]; 3]));
+    });
+}
+
 /// Each output is compared with all memory that the job reads, and with no other memory.
 #[test]
 fn an_output_over_an_input_is_refused() {
@@ -228,7 +259,7 @@ fn an_output_over_an_input_is_refused() {
 }
 
 /// Every kind; `header.rs` compares the number of the header's statuses with them.
-const CALL_KINDS: [CallErrorKind; 12] = {
+const CALL_KINDS: [CallErrorKind; 13] = {
     use CallErrorKind::*;
     [
         Length,
@@ -243,6 +274,7 @@ const CALL_KINDS: [CallErrorKind; 12] = {
         NoRoot,
         OtherName,
         NoJoints,
+        NoCurve,
     ]
 };
 const FILE_KINDS: [FileErrorKind; 21] = {

@@ -14,16 +14,19 @@ fn evaluation_has_the_bits_of_the_runtime() {
     each(|Both { c: (found, found_skin), rust: (envelope, skin), .. }| {
         let mut random = Rng(3);
         let (mut poses, mut palettes, mut confidences) = (Vec::new(), Vec::new(), Vec::new());
+        let mut all_curves = Vec::new();
         for turn in [0.05, 0.5, 4.0] {
             let local = (0..envelope.joint_len()).map(|_| random.local(turn)).collect::<Vec<_>>();
             let mut pose = vec![common::IDENTITY; envelope.joint_len()];
             sinew_runtime::model_space_pose(&envelope, &local, &mut pose).unwrap();
             assert_eq!(found.pose(&local), pose);
-            let (palette, confidence) = common::confident_palette(&envelope, &pose);
-            assert_eq!(found.palette(&pose), (palette.clone(), confidence));
+            let curves = (0..envelope.curve_len()).map(|_| random.unit()).collect::<Vec<_>>();
+            let mut scratch = vec![f32::NAN; envelope.scratch_len()];
+            let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
+            let confidence = envelope.palette(&pose, &curves, &mut scratch, &mut palette).unwrap();
+            assert_eq!(found.curved_palette(&pose, &curves), (palette.clone(), confidence));
             if envelope.predictor() == Predictor::Rotational {
-                let rotational = found.palette_by(sinew_envelope_rotational_palette, &pose);
-                assert_eq!(rotational, (palette.clone(), confidence));
+                assert_eq!(found.rotational_palette(&pose), (palette.clone(), confidence));
             }
             for rest_offset in [0.0, 0.25] {
                 let bounds = skin.bounds(&palette, rest_offset).unwrap().unwrap();
@@ -34,11 +37,13 @@ fn evaluation_has_the_bits_of_the_runtime() {
             let all = found_skin.job(&palette, 0..skin.vertex_len());
             assert_eq!(found_skin.run(all), expected);
             poses.extend(pose);
+            all_curves.extend(curves);
             palettes.extend(palette);
             confidences.push(confidence);
         }
-        assert_eq!(found.palettes(&poses, confidences.len()), (palettes, confidences));
-        assert_eq!(found.palettes(&[], 0), (Vec::new(), Vec::new()));
+        let together = found.palettes(&poses, &all_curves, confidences.len());
+        assert_eq!(together, (palettes, confidences));
+        assert_eq!(found.palettes(&[], &[], 0), (Vec::new(), Vec::new()));
     });
 }
 

@@ -11,19 +11,6 @@ use std::ptr::{null, null_mut};
 /// Null: the test does not need the error.
 pub const NONE: *mut sinew_error = null_mut();
 
-/// A function that computes a palette.
-pub type PaletteCall = unsafe extern "C" fn(
-    *const sinew_envelope,
-    *const sinew_matrix,
-    usize,
-    *mut f32,
-    usize,
-    *mut sinew_matrix,
-    usize,
-    *mut f32,
-    *mut sinew_error,
-) -> sinew_status;
-
 /// Memory of an object. A vector keeps its memory in place when the vector moves.
 pub type Memory = Vec<MaybeUninit<usize>>;
 
@@ -148,34 +135,61 @@ impl Envelope {
         pose
     }
 
+    /// Computes a palette with all curves at rest.
     pub fn palette(&self, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
-        self.palette_by(sinew_envelope_palette, pose)
+        self.curved_palette(pose, &vec![0.0; self.info().curve_len])
     }
 
-    pub fn palette_by(&self, call: PaletteCall, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
+    pub fn curved_palette(&self, pose: &[Matrix3x4], curves: &[f32]) -> (Vec<Matrix3x4>, f32) {
+        let (e, at, len) = (self.handle, matrices(pose), pose.len());
+        let (c, c_len) = (curves.as_ptr(), curves.len());
+        // SAFETY: an open envelope, four arrays with their lengths, one value to be written.
+        self.written(|s, s_len, out, out_len, confidence| unsafe {
+            sinew_envelope_palette(e, at, len, c, c_len, s, s_len, out, out_len, confidence, NONE)
+        })
+    }
+
+    pub fn rotational_palette(&self, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
+        let (e, at, len) = (self.handle, matrices(pose), pose.len());
+        // SAFETY: an open envelope, three arrays with their lengths, one value to be written.
+        self.written(|s, s_len, out, out_len, confidence| unsafe {
+            sinew_envelope_rotational_palette(e, at, len, s, s_len, out, out_len, confidence, NONE)
+        })
+    }
+
+    /// Returns the palette and the confidence that a call writes. The call takes scratch, the palette and the
+    /// confidence.
+    fn written(
+        &self,
+        call: impl FnOnce(*mut f32, usize, *mut sinew_matrix, usize, *mut f32) -> sinew_status,
+    ) -> (Vec<Matrix3x4>, f32) {
         let info = self.info();
         let mut scratch = vec![f32::NAN; info.scratch_len];
         let mut palette = vec![[[f32::NAN; 4]; 3]; info.palette_len];
         let mut confidence = f32::NAN;
-        let (at, out) = (matrices(pose), palette.as_mut_ptr().cast());
-        let (s, s_len, c) = (scratch.as_mut_ptr(), scratch.len(), &raw mut confidence);
-        // SAFETY: an open envelope, three arrays with their lengths, one value to be written.
-        done(unsafe { call(self.handle, at, pose.len(), s, s_len, out, palette.len(), c, NONE) });
+        let (s, s_len, out) = (scratch.as_mut_ptr(), scratch.len(), palette.as_mut_ptr().cast());
+        done(call(s, s_len, out, palette.len(), &raw mut confidence));
         (palette, confidence)
     }
 
     /// Computes the palettes of several poses in one call.
-    pub fn palettes(&self, poses: &[Matrix3x4], pose_len: usize) -> (Vec<Matrix3x4>, Vec<f32>) {
+    pub fn palettes(
+        &self,
+        poses: &[Matrix3x4],
+        curves: &[f32],
+        pose_len: usize,
+    ) -> (Vec<Matrix3x4>, Vec<f32>) {
         let info = self.info();
         let mut scratch = vec![f32::NAN; info.scratch_len];
         let mut palettes = vec![[[f32::NAN; 4]; 3]; info.palette_len * pose_len];
         let mut confidences = vec![f32::NAN; pose_len];
-        let (at, out) = (matrices(poses), palettes.as_mut_ptr().cast());
-        let (s, s_len, c) = (scratch.as_mut_ptr(), scratch.len(), confidences.as_mut_ptr());
+        let (at, at_len, out) = (matrices(poses), poses.len(), palettes.as_mut_ptr().cast());
+        let (c, c_len) = (curves.as_ptr(), curves.len());
+        let (s, s_len, to) = (scratch.as_mut_ptr(), scratch.len(), confidences.as_mut_ptr());
         let (e, len) = (self.handle, palettes.len());
-        // SAFETY: an open envelope and four arrays with their lengths.
+        // SAFETY: an open envelope and five arrays with their lengths.
         done(unsafe {
-            sinew_envelope_palettes(e, at, poses.len(), s, s_len, out, len, c, pose_len, NONE)
+            sinew_envelope_palettes(e, at, at_len, c, c_len, s, s_len, out, len, to, pose_len, NONE)
         });
         (palettes, confidences)
     }

@@ -95,19 +95,55 @@ fn a_skeleton_is_bound_and_gathered() {
 }
 
 #[test]
+fn curves_are_bound_by_name() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        // The engine's curves: an extra one, then the file's in reverse order.
+        let len = envelope.curve_len();
+        let own = (0..len).rev().map(|curve| envelope.curve_name(curve).unwrap());
+        let names: Vec<&str> = ["smile"].into_iter().chain(own).collect();
+        let in_c = |name: &&str| sinew_name { name: name.as_ptr().cast(), name_len: name.len() };
+        let all: Vec<sinew_name> = names.iter().map(in_c).collect();
+        let mut expected = vec![0; len];
+        envelope.bind_curves(&names, &mut expected).unwrap();
+        let mut map = vec![0; len];
+        let (handle, at) = (found.handle, map.as_mut_ptr());
+        let bind = |names: &[sinew_name], len: usize| {
+            // SAFETY: an open envelope, and arrays with their lengths.
+            unsafe {
+                sinew_envelope_bind_curves(handle, names.as_ptr(), names.len(), at, len, NONE)
+            }
+        };
+        done(bind(&all, len));
+        let missing = if len > 0 { sinew_status::NoCurve } else { sinew_status::Ok };
+        assert_eq!(bind(&all[..1], len), missing);
+        assert_eq!(map, expected);
+        let mut room = vec![0; len + 1];
+        let (names, room_at) = (all.as_ptr(), room.as_mut_ptr());
+        // SAFETY: an open envelope, and arrays with their lengths.
+        let status =
+            unsafe { sinew_envelope_bind_curves(handle, names, all.len(), room_at, len + 1, NONE) };
+        assert_eq!(status, sinew_status::Length);
+    });
+}
+
+#[test]
 fn mistakes_are_named_and_scales_removed() {
     each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        let curves = vec![0.0; envelope.curve_len()];
         let check = |pose: &[Matrix3x4]| {
             let at = pose.as_ptr().cast();
-            // SAFETY: an open envelope, an array with its length, and one structure to be written.
-            get(|out| unsafe { sinew_envelope_check_pose(found.handle, at, pose.len(), out, NONE) })
+            // SAFETY: an open envelope, two arrays with their lengths, and one structure to be written.
+            get(|out| unsafe {
+                let (c, c_len) = (curves.as_ptr(), curves.len());
+                sinew_envelope_check_pose(found.handle, at, pose.len(), c, c_len, out, NONE)
+            })
         };
         let mut pose = rest(&envelope);
         let sound = check(&pose);
         assert_eq!((sound.kind, sound.axes), (sinew_pose_fault_kind::None, [0; 3]));
         let before = pose.clone();
         sinew_runtime::scale_palette(&mut pose, 2.0);
-        let expected = envelope.check_pose(&pose).unwrap_err();
+        let expected = envelope.check_pose(&pose, &curves).unwrap_err();
         let fault = check(&pose);
         assert_eq!(fault.kind, sinew_pose_fault_kind::Scaled);
         assert_eq!((fault.joint as usize, fault.factor), (expected.joint, expected.factor));
@@ -127,11 +163,11 @@ fn mistakes_are_named_and_scales_removed() {
         unsafe { CStr::from_ptr(sinew_pose_fault_text(kind)) }.to_str().unwrap()
     };
     for kind in PoseFaultKind::ALL {
-        let is_known = kind != PoseFaultKind::Length;
+        let is_known = !matches!(kind, PoseFaultKind::Length | PoseFaultKind::CurveLength);
         assert_eq!(text(kind as u32) != "unknown mistake", is_known, "{kind:?}");
     }
     assert!(text(0).starts_with("nothing"));
-    assert_eq!([text(1), text(15)], ["unknown mistake"; 2]);
+    assert_eq!([1, 16, 18].map(text), ["unknown mistake"; 3]);
 }
 
 #[test]
@@ -139,18 +175,18 @@ fn levels_have_the_bits_of_the_runtime() {
     each(|Both { c: (found, _), rust: (envelope, _), .. }| {
         let pose = rest(&envelope);
         let (j, p, s) = (pose.len(), envelope.palette_len(), envelope.scratch_len());
-        let mut scratch = vec![0.0; s];
+        let (mut scratch, curves) = (vec![0.0; s], vec![0.25; envelope.curve_len()]);
         for (level, number) in Level::ALL.into_iter().zip([1, 2]) {
             let mut expected = vec![[[0.0; 4]; 3]; p];
             let confidence =
-                envelope.palette_at(level, &pose, &mut scratch, &mut expected).unwrap();
+                envelope.palette_at(level, &pose, &curves, &mut scratch, &mut expected).unwrap();
             let mut palette = vec![[[0.0; 4]; 3]; p];
             let (from, to, at) =
                 (pose.as_ptr().cast(), palette.as_mut_ptr().cast(), scratch.as_mut_ptr());
-            let handle = found.handle;
+            let (e, c, c_len) = (found.handle, curves.as_ptr(), curves.len());
             // SAFETY: an open envelope, arrays with their lengths, and one number to be written.
             let result = get(|out| unsafe {
-                sinew_envelope_palette_at(handle, number, from, j, at, s, to, p, out, NONE)
+                sinew_envelope_palette_at(e, number, from, j, c, c_len, at, s, to, p, out, NONE)
             });
             assert_eq!((result, palette), (confidence, expected));
         }
@@ -163,13 +199,14 @@ fn joint_confidences_have_the_bits_of_the_runtime() {
         let pose = rest(&envelope);
         let (j, s) = (pose.len(), envelope.scratch_len());
         let (mut scratch, mut expected) = (vec![0.0; s], vec![0.5; j]);
-        let done = envelope.joint_confidences(&pose, &mut scratch, &mut expected);
+        let curves = vec![0.25; envelope.curve_len()];
+        let done = envelope.joint_confidences(&pose, &curves, &mut scratch, &mut expected);
         let mut result = vec![0.5_f32; j];
         let (from, at, out) = (pose.as_ptr().cast(), scratch.as_mut_ptr(), result.as_mut_ptr());
-        let handle = found.handle;
+        let (e, c, c_len) = (found.handle, curves.as_ptr(), curves.len());
         // SAFETY: an open envelope, and arrays with their lengths.
         let status =
-            unsafe { sinew_envelope_joint_confidences(handle, from, j, at, s, out, j, NONE) };
+            unsafe { sinew_envelope_joint_confidences(e, from, j, c, c_len, at, s, out, j, NONE) };
         let is_known = if done.is_ok() { sinew_status::Ok } else { sinew_status::NoStage };
         assert_eq!((status, result), (is_known, expected));
     });

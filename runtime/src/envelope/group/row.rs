@@ -1,6 +1,6 @@
 //! Rows of section `groups`, and the sizes that follow from a row.
 
-use crate::envelope::confidence::GroupConfidence;
+use super::confidence::GroupConfidence;
 use crate::linear::padded;
 
 /// Row of section `groups`.

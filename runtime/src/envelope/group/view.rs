@@ -1,8 +1,8 @@
 //! A group and its kernel map, read in place (METHOD §1.9).
 
+use super::confidence::{ExpectedError, GroupConfidence};
 use super::kernel::GroupKernel;
 use super::row::{GroupRow, Shape};
-use crate::envelope::confidence::{ExpectedError, GroupConfidence};
 use crate::envelope::view::Envelope;
 use crate::lanes::{Eight, Lanes};
 use crate::linear::{Le, block_distances, block_entry, block_product, padded, split};

@@ -1,22 +1,31 @@
 //! Check of a pose: every matrix must be rigid, and every joint must be where its parent carries it.
 
-use super::fault::{PoseFault, PoseFaultKind as Kind, RIGID_TOLERANCE, allowance, rest_origin};
+use super::arrays::is_finite;
+use super::fault::{
+    CURVE_MARGIN, PoseFault, PoseFaultKind as Kind, RIGID_TOLERANCE, STRETCH_MARGIN, allowance,
+    rest_origin,
+};
 use super::mistake;
-use crate::envelope::view::{Envelope, is_finite, joint_index};
+use crate::envelope::confidence::norm;
+use crate::envelope::polar::{is_hidden, strain};
+use crate::envelope::view::{Envelope, joint_index};
 use crate::linear::{Matrix3x4, cross, dot, floats, moved, rows};
 use crate::matrix::scale_of;
 use crate::numeric::sqrt;
 
 /// Rounding allowance of a joint's position, as a share of the distance from the origin.
 const ROUNDING: f32 = 4.0e-6;
+/// Scale below which a joint counts as hidden.
+const HIDDEN_SCALE: f32 = 1.0e-2;
 
 impl Envelope<'_> {
     /// Checks for a debug build that a pose fits the skeleton, and names the likely mistake if the pose does not.
     ///
-    /// Each matrix must be a rotation and a translation, within [`RIGID_TOLERANCE`]. Each joint must be where its
-    /// parent carries it. The gap may be [`super::GAP_MARGIN`] times [`Envelope::pose_gap`], and
-    /// [`super::GAP_TOLERANCE`] of the certificate's diagonal more. The gaps reveal other axes or units, transposed
-    /// matrices, frames, local transforms, and inverse bind matrices applied twice.
+    /// Each matrix must be a rotation and a translation, within [`RIGID_TOLERANCE`]. A joint that stretched in training
+    /// may have a strain of [`STRETCH_MARGIN`] times [`Envelope::stretch_range`]. A curve may be [`CURVE_MARGIN`] times
+    /// as large as in training. Each joint must be where its parent carries it. The gap may be [`super::GAP_MARGIN`]
+    /// times [`Envelope::pose_gap`], and [`super::GAP_TOLERANCE`] of the certificate's diagonal more. The gaps reveal
+    /// other axes or units, transposed matrices, frames, local transforms, and inverse bind matrices applied twice.
     ///
     /// A right pose of 53 joints takes 1.3 µs on a desktop. A wrong pose is tried in all axes and units, and takes up
     /// to 8 ms.
@@ -25,20 +34,20 @@ impl Envelope<'_> {
     /// right in any axes.
     ///
     /// - `pose`: J skinning matrices, rest to posed, in model space.
+    /// - `curves`: values of the C curves.
     ///
     /// # Errors
     /// A [`PoseFault`] of any [`super::PoseFaultKind`].
-    pub fn check_pose(&self, pose: &[Matrix3x4]) -> Result<(), PoseFault> {
+    pub fn check_pose(&self, pose: &[Matrix3x4], curves: &[f32]) -> Result<(), PoseFault> {
         if pose.len() != self.joint_len() {
             return Err(PoseFault::new(Kind::Length, pose.len()));
         }
+        self.check_curves(curves)?;
         let diagonal = self.certificate().diagonal;
         let gaps = self.pose_ranges().get(self.joint_len()..).unwrap_or_default();
         let all = pose.iter().zip(self.bind_words()).zip(self.parents()).zip(gaps).enumerate();
         for (joint, (((matrix, bind), parent), [gap])) in all {
-            if !is_rigid(matrix) {
-                return Err(not_rigid(matrix, joint));
-            }
+            self.check_matrix(matrix, joint)?;
             let Some(above) = joint_index(parent).and_then(|parent| pose.get(parent)) else {
                 continue;
             };
@@ -57,13 +66,53 @@ impl Envelope<'_> {
         Ok(())
     }
 
+    /// Checks that each of C curves is finite and near its trained range.
+    fn check_curves(&self, curves: &[f32]) -> Result<(), PoseFault> {
+        if curves.len() != self.curve_len() {
+            return Err(PoseFault::new(Kind::CurveLength, curves.len()));
+        }
+        for (curve, (value, range)) in curves.iter().zip(self.curve_ranges()).enumerate() {
+            let [least, most] = floats(range);
+            let reach = least.abs().max(most.abs());
+            let (found, allowed) = (value.abs(), CURVE_MARGIN * reach);
+            let is_near = found <= allowed;
+            // A value that is not finite fails too. A curve that training left at 0 has no scale.
+            if !is_near && (reach > 0.0 || !found.is_finite()) {
+                return Err(PoseFault {
+                    found: *value,
+                    allowed,
+                    ..PoseFault::new(Kind::Curve, curve)
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that a matrix is finite and as rigid as its joint was in training.
+    #[inline]
+    fn check_matrix(&self, matrix: &Matrix3x4, joint: usize) -> Result<(), PoseFault> {
+        if is_rigid(matrix) {
+            return Ok(());
+        }
+        let range = self.stretch_range(joint).unwrap_or_default();
+        if range > 0.0 && is_finite(matrix) && !is_hidden(matrix) {
+            let (found, allowed) = (norm(&strain(matrix)), STRETCH_MARGIN * range);
+            if found <= allowed + RIGID_TOLERANCE {
+                return Ok(());
+            }
+            let fault = PoseFault::new(Kind::Stretched, joint);
+            return Err(PoseFault { found, allowed, ..fault });
+        }
+        Err(not_rigid(matrix, joint))
+    }
+
     /// Returns the reason why a joint is off its parent.
     #[cold]
     fn not_joined(&self, pose: &[Matrix3x4], joint: usize, found: f32, allowed: f32) -> PoseFault {
         // A later joint that is not rigid may be the reason.
         for (joint, matrix) in pose.iter().enumerate() {
-            if !is_rigid(matrix) {
-                return not_rigid(matrix, joint);
+            if let Err(fault) = self.check_matrix(matrix, joint) {
+                return fault;
             }
         }
         let fault = PoseFault { found, allowed, ..PoseFault::new(Kind::Apart, joint) };
@@ -91,10 +140,13 @@ fn not_rigid(m: &Matrix3x4, joint: usize) -> PoseFault {
         return PoseFault::new(Kind::NonFinite, joint);
     }
     let [x, y, z] = m.map(|[x, y, z, _]| [x, y, z]);
-    if [x, y, z] == [[0.0; 3]; 3] {
+    if *m == [[0.0; 4]; 3] {
         return PoseFault::new(Kind::Unset, joint);
     }
     let factor = scale_of(m);
+    if factor < HIDDEN_SCALE {
+        return PoseFault { factor, ..PoseFault::new(Kind::Hidden, joint) };
+    }
     let square = factor * factor;
     let off = |found: f32, expected: f32| (found - expected).abs();
     let worst = |expected: f32| {

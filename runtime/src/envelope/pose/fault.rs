@@ -12,12 +12,18 @@ pub const GAP_MARGIN: f32 = 2.0;
 /// Gap allowed at any joint, as a share of the diagonal: more than rounding, and less than one sees.
 pub const GAP_TOLERANCE: f32 = 1.0e-3;
 
+/// Allowed strain of a joint that stretches, in multiples of its largest strain in training.
+pub const STRETCH_MARGIN: f32 = 2.0;
+/// Allowed size of a curve, in multiples of its largest size in training.
+pub const CURVE_MARGIN: f32 = 10.0;
+
 /// Reason why a pose does not fit the skeleton, from [`crate::Envelope::check_pose`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseFault {
     /// The likely mistake.
     pub kind: PoseFaultKind,
-    /// First joint that shows the mistake; for [`PoseFaultKind::Length`] the number of matrices in the pose.
+    /// First joint or curve that shows the mistake; for [`PoseFaultKind::Length`] and [`PoseFaultKind::CurveLength`]
+    /// the number of matrices or curves found.
     pub joint: usize,
     /// Scale of the matrix, or the factor that converts lengths of the pose to the model's unit; else 1.
     pub factor: f32,
@@ -42,10 +48,11 @@ named! {
         Mirrored = 3, "take the mirror out of the actor and put it on the palette";
         /// A matrix scales by [`PoseFault::factor`] along all axes.
         Scaled = 4,
-            "take a scale that all joints share out with take_scale and put it on the palette; joints scaled by \
-            themselves are not part of the model";
-        /// A matrix scales unevenly, or shears.
-        Stretched = 5, "joints only turn and move: drop scale and shear from the joint";
+            "take a scale that all joints share out with take_scale and put it on the palette; drop the scale of a \
+            single joint, or train with poses that scale it";
+        /// A matrix scales unevenly, or shears, further than in training.
+        Stretched = 5,
+            "drop scale and shear from the joint, or train with poses that stretch it so far";
         /// The rotations are transposed, and the translations may be lost.
         Transposed = 6, "read the matrices with matrix::from_columns";
         /// Lengths are in another unit: multiply lengths by [`PoseFault::factor`] to get the model's unit.
@@ -68,6 +75,12 @@ named! {
         /// Each matrix, or each gathered frame, is in the space of the joint's parent.
         Local = 14,
             "chain the local transforms with model_space_pose, or take frames after the hierarchy pass";
+        /// A matrix is scaled to 0, as engines hide limbs. The palette treats the joint as at rest.
+        Hidden = 15, "show the joint, or leave the check out for poses that hide joints";
+        /// The number of curves differs from the file's.
+        CurveLength = 16, "give one value for each curve, in the order of the file's curves";
+        /// A curve is not finite, or far beyond its values in training.
+        Curve = 17, "give the curve in the unit of training: a percentage must be divided by 100";
     }
     /// Every kind.
     ALL;
@@ -98,6 +111,16 @@ impl fmt::Display for PoseFault {
                 f,
                 "pose: joint {joint} is scaled unevenly or sheared, off a rotation by {found}, expected at most \
                  {allowed}"
+            )?,
+            PoseFaultKind::Hidden => {
+                write!(f, "pose: joint {joint} is hidden: scaled to {factor}")?
+            }
+            PoseFaultKind::CurveLength => {
+                write!(f, "pose: {joint} curves are not one for each curve of the file")?
+            }
+            PoseFaultKind::Curve => write!(
+                f,
+                "pose: curve {joint} is {found}, expected at most {allowed} in either direction"
             )?,
             PoseFaultKind::Transposed => {
                 write!(

@@ -1,6 +1,7 @@
 //! Skinning matrices from local transforms and the hierarchy, and the rest pose as local transforms.
 
-use crate::envelope::view::{Envelope, is_finite, joint_index};
+use super::arrays::is_finite;
+use crate::envelope::view::{Envelope, joint_index};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{
     Matrix3x4, columns, compose, floats, inverse, quaternion, rows, squared_length, turn,

@@ -1,7 +1,8 @@
 //! The caller's skeleton: its joints by name, poses gathered from its frames, and a hash of the file's skeleton.
 
+use super::arrays::is_finite;
 use super::local::check_root;
-use crate::envelope::view::{Envelope, is_finite, joint_index};
+use crate::envelope::view::{Envelope, joint_index};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::format::crc;
 use crate::linear::{Matrix3x4, compose, floats, rows};
@@ -64,7 +65,7 @@ impl Envelope<'_> {
             }
         }
         let (root, len) = (self.root(), self.joint_len());
-        if index_of(root).is_none() {
+        if len > 0 && index_of(root).is_none() {
             return Err(CallError::new(CallErrorKind::NoRoot, Argument::Names).at(root));
         }
         if bound.found_len == 1 && len > 1 {
@@ -74,6 +75,35 @@ impl Envelope<'_> {
             *out = index_of(joint).unwrap_or(FOLDED);
         }
         Ok(bound)
+    }
+
+    /// Finds the file's curves among the caller's by name. Names must be equal.
+    ///
+    /// - `names`: UTF-8 names of the caller's curves, in the caller's order. The first of equal names counts.
+    /// - `out_map`: receives for each of the C curves the index of the caller's curve. The curves of a pose are
+    ///   `curves[c] = values[out_map[c]]`.
+    ///
+    /// # Errors
+    /// - [`CallErrorKind::Length`]: `out_map` does not hold C elements.
+    /// - [`CallErrorKind::NoCurve`]: no name is that of curve `index`, [`Envelope::curve_name`].
+    pub fn bind_curves<S: AsRef<[u8]>>(
+        &self,
+        names: impl IntoIterator<Item = S, IntoIter: Clone>,
+        out_map: &mut [u32],
+    ) -> Result<(), CallError> {
+        Argument::Curves.check_len(self.curve_len(), out_map.len())?;
+        let names = names.into_iter().zip(0..FOLDED);
+        let index_of = |curve: usize| {
+            let own = self.curve_name(curve).unwrap_or_default().as_bytes();
+            names.clone().find(|(name, _)| name.as_ref() == own).map(|(_, index)| index)
+        };
+        if let Some(curve) = (0..self.curve_len()).find(|curve| index_of(*curve).is_none()) {
+            return Err(CallError::new(CallErrorKind::NoCurve, Argument::Names).at(curve));
+        }
+        for (curve, out) in out_map.iter_mut().enumerate() {
+            *out = index_of(curve).unwrap_or_default();
+        }
+        Ok(())
     }
 
     /// Returns the hash of the joints' names and parents: [`skeleton_hash_of`] in the file's order.

@@ -147,7 +147,7 @@ fn the_document_lays_the_counts_of_a_record_out_as_the_code() {
 
 #[test]
 fn the_document_lays_counts_out_as_the_code() {
-    let words: [u32; 6] = [2, 11, 12, 13, 14, 15];
+    let words: [u32; 8] = [2, 11, 12, 13, 14, 15, 1, 17];
     let counts = EnvelopeCounts::from_words(words).unwrap();
     assert_eq!(counts.words(), words);
     let fields = [
@@ -157,6 +157,8 @@ fn the_document_lays_counts_out_as_the_code() {
         ("root", counts.root.into()),
         ("group_len", counts.group_len.into()),
         ("correction_len", counts.correction_len.into()),
+        ("stretches", counts.stretches.into()),
+        ("curve_len", counts.curve_len.into()),
     ];
     let bytes = words.map(u32::to_le_bytes);
     assert_eq!(bytes.as_flattened().len(), EnvelopeCounts::BYTES);

@@ -1,6 +1,6 @@
 //! A batch of an envelope on a device, in poisoned buffers that are checked for stray writes.
 
-use crate::backend::{Failure, Loaded, floats, part};
+use crate::backend::{Failure, Loaded, Poses, Split, floats, part};
 use crate::compare::POISON;
 use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Array, Batch, DeviceLimits, Plan, Resource, SkinBatch, Stage};
@@ -9,8 +9,14 @@ use sinew_runtime::{Envelope, Matrix3x4};
 use std::ops::Range;
 
 /// Buffers that are poisoned and checked: all but those that the upload fills.
-const BUFFERS: [Resource; 5] =
-    [Resource::Poses, Resource::Scratch, Resource::Palettes, Resource::Confidences, Resource::Out];
+const BUFFERS: [Resource; 6] = [
+    Resource::Poses,
+    Resource::Curves,
+    Resource::Scratch,
+    Resource::Palettes,
+    Resource::Confidences,
+    Resource::Out,
+];
 
 /// Place of the confidences.
 const CONFIDENCES: Array = Array { offset: 1, stride: 2 };
@@ -64,6 +70,9 @@ impl<'a> Batched<'a> {
 
     /// Writes each instance's part of some floats to its place in an array.
     pub(super) fn put(&mut self, resource: Resource, array: Array, floats: &[f32]) {
+        if floats.is_empty() {
+            return;
+        }
         let n = self.instance_len;
         let out = self.floats(resource);
         for i in 0..n {
@@ -72,8 +81,16 @@ impl<'a> Batched<'a> {
         }
     }
 
-    pub(super) fn put_poses(&mut self, poses: &[Matrix3x4]) {
-        self.put(Resource::Poses, self.batch.poses, floats(poses));
+    pub(super) fn put_poses(&mut self, poses: Poses<'_>) {
+        self.put(Resource::Poses, self.batch.poses, floats(poses.joints));
+        self.put(Resource::Curves, self.batch.curves, poses.curves);
+    }
+
+    /// Writes the outputs of stage polar.
+    pub(super) fn put_split(&mut self, split: &Split) {
+        let [turns, strains] = self.split_at();
+        self.put(Resource::Scratch, turns, split.turns.as_flattened().as_flattened());
+        self.put(Resource::Scratch, strains, split.strains.as_flattened());
     }
 
     pub(super) fn put_palettes(&mut self, palettes: &[Matrix3x4]) {
@@ -83,6 +100,11 @@ impl<'a> Batched<'a> {
     /// Returns the place of an array in the scratch.
     pub(super) fn scratch_at(&self, offset: usize) -> Array {
         Array { offset, stride: self.scratch.len }
+    }
+
+    /// Returns the places of rotations and strains.
+    pub(super) fn split_at(&self) -> [Array; 2] {
+        [self.scratch.turns, self.scratch.strains].map(|offset| self.scratch_at(offset))
     }
 
     /// Uploads, runs the given stages alone or, if there are none, all stages, and downloads.
@@ -178,6 +200,7 @@ fn batch(envelope: &Envelope<'_>, instance_len: usize, skin: Option<&SkinBatch>)
     Batch {
         instance_len,
         poses: Array { offset: 5, stride: 12 * envelope.joint_len() + 3 },
+        curves: Array { offset: 2, stride: envelope.curve_len() + 4 },
         palettes: Array { offset: 4, stride: 12 * envelope.palette_len() + 8 },
         confidences: Some(CONFIDENCES),
         skin: skin.cloned(),

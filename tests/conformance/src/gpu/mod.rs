@@ -3,7 +3,7 @@
 mod alone;
 mod batched;
 
-use crate::backend::{Backend, Failure, Gradients, Loaded, Whole, floats};
+use crate::backend::{Backend, Failure, Gradients, Loaded, Poses, Split, Whole};
 use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
 use crate::shapes::ShapeSubject;
@@ -11,6 +11,7 @@ use batched::Batched;
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, Resource, ShapesBatch, SkinBatch, Stage};
 use sinew_runtime::Matrix3x4;
+use sinew_runtime::envelope::STRAIN_LEN;
 use sinew_trainer::regression::arithmetic::Arithmetic;
 
 /// A device as a backend.
@@ -49,16 +50,32 @@ impl Backend for Gpu<'_> {
         plan.is_ok_and(|plan| plan.stages().any(|own| own == stage))
     }
 
+    fn polar(&self, loaded: &Loaded<'_>, poses: Poses<'_>, out: &mut Split) -> Result<(), Failure> {
+        let joint_len = loaded.envelope.joint_len();
+        let mut batched = self.begin(loaded, poses.len, None)?;
+        batched.put_poses(poses);
+        let [turns, strains] = batched.split_at();
+        let own = [(turns, 9 * joint_len), (strains, STRAIN_LEN * joint_len)];
+        let own = own.map(|(array, len)| (Resource::Scratch, array, len));
+        batched.run(&[Stage::Polar], &own, 0..0)?;
+        let out_turns = out.turns.as_flattened_mut().as_flattened_mut();
+        batched.take(Resource::Scratch, turns, out_turns);
+        batched.take(Resource::Scratch, strains, out.strains.as_flattened_mut());
+        Ok(())
+    }
+
     fn gradients(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
         out: &mut Gradients,
     ) -> Result<(), Failure> {
         let envelope = &loaded.envelope;
         let (j, p) = (envelope.joint_len(), envelope.proxy_len());
-        let mut batched = self.begin(loaded, poses.len() / j, None)?;
+        let mut batched = self.begin(loaded, poses.len, None)?;
         batched.put_poses(poses);
+        batched.put_split(split);
         let scratch = batched.scratch;
         let [q, theta, d] = [scratch.relative, scratch.rotations, scratch.gradients]
             .map(|offset| batched.scratch_at(offset));
@@ -74,11 +91,11 @@ impl Backend for Gpu<'_> {
     fn palette(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         input: &Gradients,
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
-        let mut batched = self.begin(loaded, poses.len() / loaded.envelope.joint_len(), None)?;
+        let mut batched = self.begin(loaded, poses.len, None)?;
         batched.put_poses(poses);
         let [q, d] = [batched.scratch.relative, batched.scratch.gradients]
             .map(|offset| batched.scratch_at(offset));
@@ -93,10 +110,10 @@ impl Backend for Gpu<'_> {
     fn joints(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         out_palettes: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
-        let mut batched = self.begin(loaded, poses.len() / loaded.envelope.joint_len(), None)?;
+        let mut batched = self.begin(loaded, poses.len, None)?;
         batched.put_poses(poses);
         let own = batched.writable_palettes();
         batched.run(&[Stage::Joints], &[own], 0..0)?;
@@ -107,31 +124,38 @@ impl Backend for Gpu<'_> {
     fn features(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        out_features: &mut [Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
+        out_features: &mut [f32],
     ) -> Result<(), Failure> {
-        let joint_len = loaded.envelope.joint_len();
-        let mut batched = self.begin(loaded, poses.len() / joint_len, None)?;
+        let envelope = &loaded.envelope;
+        let (j, c) = (envelope.joint_len(), envelope.curve_len());
+        let mut batched = self.begin(loaded, poses.len, None)?;
         batched.put_poses(poses);
-        let at = batched.scratch_at(batched.scratch.features);
-        batched.run(&[Stage::Features], &[(Resource::Scratch, at, 12 * joint_len)], 0..0)?;
-        batched.take(Resource::Scratch, at, out_features.as_flattened_mut().as_flattened_mut());
+        batched.put_split(split);
+        let first = batched.scratch.features;
+        let last = first + envelope.counts().feature_len() - c;
+        let [at, curves] = [first, last].map(|offset| batched.scratch_at(offset));
+        // The strains, between the two, stay as stage polar has written them.
+        let own = [(Resource::Scratch, at, 12 * j), (Resource::Scratch, curves, c)];
+        batched.run(&[Stage::Features], &own, 0..0)?;
+        batched.take(Resource::Scratch, at, out_features);
         Ok(())
     }
 
     fn correction(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        features: &[Matrix3x4],
+        poses: Poses<'_>,
+        features: &[f32],
         out_palettes: &mut [Matrix3x4],
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
-        let mut batched = self.begin(loaded, out_confidences.len(), None)?;
+        let mut batched = self.begin(loaded, poses.len, None)?;
         batched.put_poses(poses);
         batched.put_palettes(out_palettes);
         let at = batched.scratch_at(batched.scratch.features);
-        batched.put(Resource::Scratch, at, floats(features));
+        batched.put(Resource::Scratch, at, features);
         let scratch = batched.scratch_at(batched.scratch.confidences);
         let scratch_len = batched.scratch.len - batched.scratch.confidences;
         let (own, confidences) = (batched.writable_palettes(), batched.writable_confidences());
@@ -145,10 +169,14 @@ impl Backend for Gpu<'_> {
     fn confidence(
         &self,
         loaded: &Loaded<'_>,
+        poses: Poses<'_>,
         rotations: &[[f32; 3]],
+        split: &Split,
         out_confidences: &mut [f32],
     ) -> Result<(), Failure> {
-        let mut batched = self.begin(loaded, out_confidences.len(), None)?;
+        let mut batched = self.begin(loaded, poses.len, None)?;
+        batched.put_poses(poses);
+        batched.put_split(split);
         let at = batched.scratch_at(batched.scratch.rotations);
         batched.put(Resource::Scratch, at, rotations.as_flattened());
         let own = batched.writable_confidences();
@@ -203,11 +231,11 @@ impl Backend for Gpu<'_> {
     fn whole(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure> {
-        let mut batched = self.begin(loaded, out.confidences.len(), Some(skin))?;
+        let mut batched = self.begin(loaded, poses.len, Some(skin))?;
         batched.put_poses(poses);
         batched.put_skin(&out.skin);
         let scratch = (Resource::Scratch, batched.scratch_at(0), batched.scratch.len);

@@ -1,38 +1,49 @@
 //! Stage features, of models with a correction.
 
-use super::gradients::compare_transforms;
-use crate::backend::{Backend, Failure, part, poisoned_transforms};
+use super::polar::split_of;
+use crate::backend::{Backend, Failure, Split, part};
+use crate::compare::POISON;
 use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::subject::Subject;
-use crate::tolerance::{self, Inexact};
-use sinew_runtime::Matrix3x4;
+use crate::tolerance::{self, Inexact, UNDERFLOW};
 
 /// Compares the features.
 ///
 /// # Errors
 /// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
-    let (found, cpu) = (features_of(backend, subject)?, features_of(&Cpu, subject)?);
-    let n = subject.poses.len();
+    let (split, n) = (split_of(&Cpu, subject)?, subject.poses.len());
+    let (found, cpu) =
+        (features_on(backend, subject, &split)?, features_on(&Cpu, subject, &split)?);
     let mut features = Finding::new("features");
     for (i, pose) in subject.poses.iter().enumerate() {
-        let expected = Inexact::exact(pose.widened());
-        let expected = tolerance::features(&subject.oracle, &expected, backend.arithmetic());
-        compare_transforms(&mut features, part(&found, n, i), part(&cpu, n, i), &expected);
+        let (given, curves) = (Inexact::exact(pose.widened()), pose.widened_curves());
+        let arithmetic = backend.arithmetic();
+        let Inexact { value, error } =
+            tolerance::features(&subject.oracle, &given, &curves, arithmetic);
+        let tolerances: Vec<_> = error.iter().map(|e| e + UNDERFLOW).collect();
+        features.compare(part(&found, n, i), part(&cpu, n, i), &value, &tolerances);
     }
     Ok(vec![features])
 }
 
-/// Evaluates the features of every pose.
+/// Evaluates the features of every pose, after stage polar.
 ///
 /// # Errors
 /// The backend's error.
-pub fn features_of(
+pub fn features_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<f32>, Failure> {
+    features_on(backend, subject, &split_of(backend, subject)?)
+}
+
+/// Evaluates the features of every pose from outputs of stage polar.
+fn features_on(
     backend: &dyn Backend,
     subject: &Subject<'_>,
-) -> Result<Vec<Matrix3x4>, Failure> {
-    let mut out = poisoned_transforms(subject.transforms.len());
-    backend.features(&subject.loaded, &subject.transforms, &mut out)?;
+    split: &Split,
+) -> Result<Vec<f32>, Failure> {
+    let len = subject.poses.len() * subject.loaded.envelope.counts().feature_len();
+    let mut out = vec![POISON; len];
+    backend.features(&subject.loaded, subject.inputs(), split, &mut out)?;
     Ok(out)
 }

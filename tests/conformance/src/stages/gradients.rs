@@ -1,7 +1,8 @@
 //! Stage gradients: each of its three outputs, given the f32 inputs of that output. Also the
 //! conversions that several stages use.
 
-use crate::backend::{Backend, Failure, Gradients, floats, part};
+use super::polar::{compare_columns, split_of};
+use crate::backend::{Backend, Failure, Gradients, Split, floats, part};
 use crate::cpu::Cpu;
 use crate::finding::Finding;
 use crate::poses::widened;
@@ -16,7 +17,9 @@ use sinew_runtime::Matrix3x4;
 /// The backend's error.
 pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>, Failure> {
     let (oracle, n, arithmetic) = (&subject.oracle, subject.poses.len(), backend.arithmetic());
-    let (found, cpu) = (gradients_of(backend, subject)?, gradients_of(&Cpu, subject)?);
+    let split = split_of(&Cpu, subject)?;
+    let (found, cpu) =
+        (gradients_on(backend, subject, &split)?, gradients_on(&Cpu, subject, &split)?);
     let [mut relative, mut rotations, mut gradients] =
         ["relative", "rotations", "gradients"].map(Finding::new);
     for (i, pose) in subject.poses.iter().enumerate() {
@@ -24,33 +27,44 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
             (part(pick(&found), n, i), part(pick(&cpu), n, i))
         };
         // Each output is compared before it becomes the input of the next.
-        let expected = tolerance::relative(oracle, &Inexact::exact(pose.widened()));
+        let pose = Inexact::exact(pose.widened());
+        let expected = tolerance::relative(oracle, &pose, arithmetic);
         let (found_relative, cpu_relative) = at(|all| &all.relative);
         if !compare_columns(&mut relative, found_relative, cpu_relative, &expected) {
             continue;
         }
-        let given = Inexact::exact(columns::<4>(found_relative));
+        let found_relative = Inexact::exact(columns::<4>(found_relative));
+        let given = tolerance::turning(oracle, &pose, &found_relative);
         let (found_rotations, cpu_rotations) = at(|all| &all.rotations);
-        let mut expected = tolerance::rotations(oracle, &given, arithmetic);
+        let mut expected = tolerance::rotations(oracle, given, arithmetic);
         tolerance::same_branch(&mut expected, found_rotations);
         if !compare_rotations(&mut rotations, found_rotations, cpu_rotations, &expected) {
             continue;
         }
         let turned = exact_rotations(found_rotations);
-        let expected = tolerance::gradients(oracle, &given, &turned, arithmetic);
+        let expected = tolerance::gradients(oracle, given, &turned, arithmetic);
         let (found_gradients, cpu_gradients) = at(|all| &all.gradients);
         compare_columns(&mut gradients, found_gradients, cpu_gradients, &expected);
     }
     Ok(vec![relative, rotations, gradients])
 }
 
-/// Evaluates the three outputs for every pose.
+/// Evaluates the three outputs for every pose, after stage polar.
 ///
 /// # Errors
 /// The backend's error.
 pub fn gradients_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Gradients, Failure> {
+    gradients_on(backend, subject, &split_of(backend, subject)?)
+}
+
+/// Evaluates the three outputs for every pose from outputs of stage polar.
+fn gradients_on(
+    backend: &dyn Backend,
+    subject: &Subject<'_>,
+    split: &Split,
+) -> Result<Gradients, Failure> {
     let mut out = Gradients::poisoned(&subject.loaded.envelope, subject.poses.len());
-    backend.gradients(&subject.loaded, &subject.transforms, &mut out)?;
+    backend.gradients(&subject.loaded, subject.inputs(), split, &mut out)?;
     Ok(out)
 }
 
@@ -64,20 +78,6 @@ pub fn columns<const C: usize>(columns: &[[f32; 3]]) -> Vec<SMatrix<f64, 3, C>> 
 pub fn exact_rotations(list: &[[f32; 3]]) -> Inexact<Vector3<f64>, f64> {
     let value = list.iter().map(|v| Vector3::from(*v).map(f64::from)).collect();
     Inexact { value, error: vec![0.0; list.len()] }
-}
-
-fn compare_columns<const C: usize>(
-    finding: &mut Finding,
-    found: &[[f32; 3]],
-    cpu: &[[f32; 3]],
-    expected: &Inexact<SMatrix<f64, 3, C>>,
-) -> bool {
-    let flat = |list: &[SMatrix<f64, 3, C>]| -> Vec<f64> {
-        list.iter().flat_map(|m| m.iter().copied()).collect()
-    };
-    let tolerances: Vec<_> = flat(&expected.error).iter().map(|e| e + UNDERFLOW).collect();
-    let values = flat(&expected.value);
-    finding.compare(found.as_flattened(), cpu.as_flattened(), &values, &tolerances)
 }
 
 fn compare_rotations(

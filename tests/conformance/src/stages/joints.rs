@@ -26,6 +26,6 @@ pub fn body(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Finding>
 /// The backend's error.
 pub fn joints_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Vec<Matrix3x4>, Failure> {
     let mut out = poisoned_transforms(subject.poses.len() * subject.loaded.envelope.palette_len());
-    backend.joints(&subject.loaded, &subject.transforms, &mut out)?;
+    backend.joints(&subject.loaded, subject.inputs(), &mut out)?;
     Ok(out)
 }

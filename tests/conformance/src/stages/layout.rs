@@ -3,6 +3,7 @@
 
 use super::correction::base_of;
 use super::features::features_of;
+use super::polar::split_of;
 use super::skin::{Skinned, places, skinned_by, whole_of};
 use crate::backend::{Backend, Failure, attributes, floats, poisoned_out};
 use crate::compare::POISON;
@@ -50,10 +51,11 @@ fn by_stages(
 ) -> Result<(Vec<Matrix3x4>, Vec<f32>), Failure> {
     let n = subject.poses.len();
     let (mut palettes, mut confidences) = (base_of(backend, subject)?, vec![POISON; n]);
-    let (loaded, poses) = (&subject.loaded, &subject.transforms);
+    let (loaded, poses) = (&subject.loaded, subject.inputs());
     if !loaded.envelope.predictor().corrects() {
         let rotations = super::gradients::gradients_of(backend, subject)?.rotations;
-        backend.confidence(loaded, &rotations, &mut confidences)?;
+        let split = split_of(backend, subject)?;
+        backend.confidence(loaded, poses, &rotations, &split, &mut confidences)?;
     } else if backend.has(loaded, Stage::Correction) {
         let features = features_of(backend, subject)?;
         backend.correction(loaded, poses, &features, &mut palettes, &mut confidences)?;

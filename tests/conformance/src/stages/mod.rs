@@ -13,6 +13,7 @@ pub mod joints;
 pub mod kernel;
 pub mod layout;
 pub mod palette;
+pub mod polar;
 pub mod shapes;
 pub mod skin;
 pub mod whole;
@@ -34,6 +35,7 @@ pub type Body = fn(&dyn Backend, &Subject<'_>) -> Result<Vec<Finding>, Failure>;
 /// If the stage belongs to a kernel, to shapes or to a filter.
 pub fn body(stage: Stage) -> Body {
     match stage {
+        Stage::Polar => polar::body,
         Stage::Gradients => gradients::body,
         Stage::Palette => palette::body,
         Stage::Joints => joints::body,

@@ -40,6 +40,6 @@ pub fn palettes_on(
     input: &Gradients,
 ) -> Result<Vec<Matrix3x4>, Failure> {
     let mut out = poisoned_transforms(subject.poses.len() * subject.loaded.envelope.palette_len());
-    backend.palette(&subject.loaded, &subject.transforms, input, &mut out)?;
+    backend.palette(&subject.loaded, subject.inputs(), input, &mut out)?;
     Ok(out)
 }

@@ -52,7 +52,7 @@ pub fn whole_of(backend: &dyn Backend, subject: &Subject<'_>) -> Result<Whole, F
     let (envelope, n) = (&subject.loaded.envelope, subject.poses.len());
     let skin = SkinBatch::new(&subject.loaded.skin);
     let mut out = Whole::poisoned(envelope, &skin, n);
-    backend.whole(&subject.loaded, &subject.transforms, &skin, &mut out)?;
+    backend.whole(&subject.loaded, subject.inputs(), &skin, &mut out)?;
     Ok(out)
 }
 

@@ -1,22 +1,27 @@
-//! The tolerance of stage correction, and of its confidence, which combines the kernel maps'
-//! expected with the joints' ranges.
+//! The tolerance of stage correction, and of its confidence, which combines the kernel maps' expected
+//! errors with the ranges of joints and curves.
 
+use super::confidence::{lesser, of_curves, of_stretch, within};
 use super::inexact::{Inexact, Transform, product};
+use nalgebra::Matrix3;
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
-use sinew_trainer::regression::confidence::{ExpectedErrorBounds, STEP_ERROR};
+use sinew_trainer::regression::confidence::ExpectedErrorBounds;
 use sinew_trainer::regression::map::{Value, ValueError};
 
 /// Bounds the corrected palettes and the confidence.
 ///
 /// Inputs are features times a weight, rounded once. The kernel map bounds the errors of latent
-/// values and of w. `K = w (outputs z)` sums r products and rounds once more. `Q K` is a product of
-/// three terms, which is added to the base. If w is certainly 0, nothing is added.
+/// values and of w. `K = w (outputs z)` sums r products and rounds once more. `L K`, with the linear
+/// part L of the dominant joint, is a product of three terms, which is added to the base. If w is
+/// certainly 0, nothing is added.
+///
+/// - `features`: all features of the pose.
 pub fn correction(
     oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,
-    features: &Inexact<Transform>,
+    features: &Inexact<f64>,
     base: Inexact<Transform>,
     arithmetic: Arithmetic,
 ) -> (Inexact<Transform>, Inexact<f64>) {
@@ -25,12 +30,14 @@ pub fn correction(
     let mut error = base.error;
     let mut expected = ExpectedErrorBounds::default();
     for group in oracle.groups.iter().filter(|group| group.has_centres()) {
-        let (k, k_error, known) = added(group, features, arithmetic);
+        let (k, k_error, known) = added(oracle, group, features, arithmetic);
         expected = expected.plus(known);
         if known.map_weights(arithmetic).1 == 0.0 {
             continue;
         }
-        let turn = (&linear(&pose.value[group.joint]), &linear(&pose.error[group.joint]));
+        let dominant = |of: &[Transform], none| of.get(group.joint).map_or(none, linear);
+        let turn =
+            (&dominant(&pose.value, Matrix3::identity()), &dominant(&pose.error, Matrix3::zeros()));
         for (proxy, (k, k_error)) in group.proxies.clone().zip(k.iter().zip(&k_error)) {
             let at = first + proxy;
             let inherited = error[at] + product(turn, (k, k_error), 3);
@@ -38,8 +45,8 @@ pub fn correction(
         }
     }
     let (least, most) = expected.confidence(oracle.groups.len(), arithmetic);
-    let (least_known, most_known) = joint_confidence(oracle, features, arithmetic);
-    let (least, most) = (least.min(least_known), most.min(most_known));
+    let of_ranges = of_ranges(oracle, pose, features, arithmetic).into_iter();
+    let [least, most] = of_ranges.fold([least, most], lesser);
     let confidence = Inexact {
         value: vec![confidence],
         error: vec![(confidence - least).max(most - confidence)],
@@ -47,48 +54,49 @@ pub fn correction(
     (Inexact { value, error }, confidence)
 }
 
-/// Returns bounds of the confidence that the joints' angles allow: lower and upper.
+/// Bounds the confidences that the ranges of joints and curves allow: lower and upper; none for an
+/// envelope without groups.
 ///
-/// The trace sums three entries with two roundings, and its square root rounds as well. The excess
-/// has one rounding of its bound and one of the difference; its scale has two, and the quotient
-/// those of a division. The relative error of a step is [`STEP_ERROR`], and the difference from 1
-/// rounds once.
-fn joint_confidence(
+/// The trace of a joint's rotation sums three entries with two roundings, and its square root rounds
+/// as well.
+fn of_ranges(
     oracle: &EnvelopeModel,
-    features: &Inexact<Transform>,
+    pose: &Inexact<Transform>,
+    features: &Inexact<f64>,
     arithmetic: Arithmetic,
-) -> (f64, f64) {
-    let shifted = |sign: f64| {
-        let of_joint = |((feature, error), range): ((&Transform, &Transform), &f64)| {
-            let entries = |m: &Transform| linear(m).diagonal().abs().sum();
-            let trace = linear(feature).trace();
-            let off = entries(error) + gamma(2) * (entries(feature) + entries(error));
-            let root = 2.0 * (sign * off - trace).max(0.0).sqrt();
-            let most = 1.5 * range;
-            let own = gamma(arithmetic.root) * root + U * most;
-            let excess = gamma(4 + arithmetic.division) * ((root - most).abs() + own);
-            let angle = (root + sign * (own + excess)).max(0.0);
-            // The confidence depends on the features' trace only.
-            Transform::from_diagonal_element(-angle * angle / 12.0)
-        };
-        let both = features.value.iter().zip(&features.error);
-        let moved: Vec<_> = both.zip(&oracle.pose_ranges).map(of_joint).collect();
-        oracle.joint_confidences(&moved).into_iter().fold(1.0, f64::min)
-    };
-    let rounded = |known: f64, sign: f64| {
-        if known < 1.0 { known + sign * (STEP_ERROR * (1.0 - known) + U) } else { 1.0 }
-    };
-    (rounded(shifted(1.0), -1.0).max(0.0), rounded(shifted(-1.0), 1.0).min(1.0))
+) -> Vec<[f64; 2]> {
+    if oracle.groups.is_empty() {
+        return Vec::new();
+    }
+    let all = features.value.chunks(12).zip(features.error.chunks(12)).zip(&oracle.pose_ranges);
+    let mut out: Vec<_> = all
+        .map(|((feature, error), range)| {
+            let sum = |of: &[f64]| of[0].abs() + of[5].abs() + of[10].abs();
+            let trace = feature[0] + feature[5] + feature[10];
+            let off = sum(error) + gamma(2) * (sum(feature) + sum(error));
+            let angle = |sign: f64| {
+                let root = 2.0 * (sign * off - trace).max(0.0).sqrt();
+                root + sign * gamma(arithmetic.root) * root
+            };
+            within([angle(-1.0), angle(1.0)], [1.5, *range], arithmetic)
+        })
+        .collect();
+    let curves = &features.value[features.value.len() - oracle.curves.len()..];
+    out.extend(of_stretch(oracle, pose, arithmetic));
+    out.extend(of_curves(oracle, curves, arithmetic));
+    out
 }
 
 /// Returns K of a group's proxies, its errors, and bounds of the group's expected error.
 fn added(
+    oracle: &EnvelopeModel,
     group: &Group,
-    features: &Inexact<Transform>,
+    features: &Inexact<f64>,
     arithmetic: Arithmetic,
 ) -> (Vec<Transform>, Vec<Transform>, ExpectedErrorBounds) {
-    let input = group.input(&features.value);
-    let inherited = group.input(&features.error);
+    let order = oracle.feature_order();
+    let input = group.input(&features.value, order);
+    let inherited = group.input(&features.error, order);
     let input_error: Vec<_> = input
         .iter()
         .zip(inherited)

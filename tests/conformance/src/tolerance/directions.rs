@@ -222,7 +222,7 @@ fn transformed(matrix: (&Matrix3<f64>, &Matrix3<f64>), v: &Bounded) -> Bounded {
 
 /// Returns the bounds of the cofactors. Each cofactor is a difference of two products: γ₂ of their
 /// sum.
-fn cofactor_error(m: &Matrix3<f64>, error: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn cofactor_error(m: &Matrix3<f64>, error: &Matrix3<f64>) -> Matrix3<f64> {
     let columns = [0, 1, 2].map(|c| {
         let at = |c: usize| Bounded {
             value: m.column(c % 3).into_owned(),

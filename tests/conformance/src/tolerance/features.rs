@@ -1,42 +1,47 @@
 //! The tolerance of stage features.
 
 use super::gradients::rotation_error;
-use super::inexact::{Inexact, Transform, product, seen_from};
-use nalgebra::{Matrix3, Vector3};
+use super::inexact::{Inexact, Transform, product};
+use super::polar::{strains, turns};
+use nalgebra::{Matrix3, Vector4};
 use sinew_trainer::envelope::model::EnvelopeModel;
-use sinew_trainer::numeric::affine::linear;
+use sinew_trainer::envelope::oracle::Pose;
 use sinew_trainer::numeric::{affine, so3};
 use sinew_trainer::regression::arithmetic::{Arithmetic, U};
 
-/// Bounds the features.
+/// Bounds the features, in the order of a file.
 ///
-/// `M = [Q_pᵀ Q_j | Q_pᵀ (t_j - t_p)] = [R | t]` has an error of γ₄. 1 is subtracted on the
-/// diagonal of R, and `(R - I) o + t` sums three products and one term. `half` bounds the effect
-/// of R's error.
+/// The gap `(L_j - L_p) o + (t_j - t_p)` has a difference, a product and three sums in a row; then
+/// R_pᵀ turns it: three products. `half` bounds the effect of the error of R_pᵀ R_j. A hidden joint
+/// has exact zeros, and so has its child. Curves are copies.
 pub fn features(
     oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,
+    curves: &[f64],
     arithmetic: Arithmetic,
-) -> Inexact<Transform> {
-    let value = oracle.features(&pose.value);
+) -> Inexact<f64> {
+    let value = oracle.features(Pose { joints: &pose.value, curves });
+    let turns = turns(oracle, pose, arithmetic);
     let bound = |joint: usize| {
-        let Some(parent) = oracle.skeleton.parents[joint] else { return Transform::zeros() };
-        let at = |joint: usize| (&pose.value[joint], &pose.error[joint]);
-        let apart = affine::seen_from(at(parent).0, at(joint).0);
-        let error = seen_from(at(parent), at(joint));
-        let (shift, shift_error) = (apart.column(3).abs(), error.column(3).into_owned());
-        let (rotation, rotation_error) = (linear(&apart), linear(&error));
-        let turn = rotation - Matrix3::identity();
-        let diagonal = (turn.abs() + rotation_error).diagonal() * U;
-        let turn_error = rotation_error + Matrix3::from_diagonal(&diagonal);
-        let origin = (&oracle.origin(joint), &Vector3::zeros());
-        let moved = product((&turn, &turn_error), origin, 4);
-        affine::joined(
-            &half(&rotation, &rotation_error, arithmetic),
-            &(moved + (shift + shift_error) * U + shift_error),
-        )
+        let parent = oracle.skeleton.parents[joint]?;
+        let ((own, own_error), (above, above_error)) = (turns[joint]?, turns[parent]?);
+        let back = (&above.transpose(), &above_error.transpose());
+        let rotation = back.0 * own;
+        let rotation_error = product(back, (&own, &own_error), 3);
+        let apart = pose.value[joint] - pose.value[parent];
+        let apart_error = pose.error[joint] + pose.error[parent];
+        let origin = (&oracle.origin(joint).push(1.0), &Vector4::zeros());
+        let gap_error = product((&apart, &apart_error), origin, 5);
+        let gap_error = product(back, (&(apart * origin.0), &gap_error), 3);
+        Some(affine::joined(&half(&rotation, &rotation_error, arithmetic), &gap_error))
     };
-    Inexact { error: (0..value.len()).map(bound).collect(), value }
+    let of_joint = |joint| bound(joint).unwrap_or_default().transpose().as_slice().to_vec();
+    let mut error: Vec<f64> = (0..pose.value.len()).flat_map(of_joint).collect();
+    if oracle.stretch_ranges.is_some() {
+        error.extend(strains(oracle, pose).error.iter().flatten());
+    }
+    error.extend(curves.iter().map(|_| 0.0));
+    Inexact { value, error }
 }
 
 /// Bounds half of a rotation: `(1 - l⁸) [a] + [a][a] / (1 + c)`, l = 1 - c, for the unit quaternion

@@ -1,49 +1,79 @@
 //! The tolerance of stage gradients: relative transforms, rotations, and gradients of the keys.
 
 use super::inexact::{Inexact, Transform, product, seen_from};
+use super::polar::{inverse_error, strains, turns};
 use nalgebra::{Matrix3, Vector3};
-use sinew_trainer::envelope::model::{EnvelopeModel, Key, angles, symmetric};
+use sinew_trainer::envelope::model::{EnvelopeModel, Key, movement, symmetric};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::numeric::so3;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 use std::f64::consts::PI;
 
-/// Bounds the relative transforms: `[Q_rᵀ Q_j | Q_rᵀ (t_j - t_r)]`. Three products a sum, and one
-/// rounding of the difference: γ₄.
-pub fn relative(oracle: &EnvelopeModel, pose: &Inexact<Transform>) -> Inexact<Transform> {
+/// Bounds the relative transforms: `[L_r⁻¹ L_j | L_r⁻¹ (t_j - t_r)]`. Three products a sum, and one
+/// rounding of the difference: γ₄. The inverse is the transpose if no joint stretches.
+pub fn relative(
+    oracle: &EnvelopeModel,
+    pose: &Inexact<Transform>,
+    arithmetic: Arithmetic,
+) -> Inexact<Transform> {
+    let value = oracle.relative(&pose.value);
     let root = oracle.skeleton.root();
-    let moving = (&pose.value[root], &pose.error[root]);
+    let (map, map_error) = (&pose.value[root], &pose.error[root]);
+    let inverse = match (oracle.stretch_ranges.is_some(), oracle.turns(&pose.value)[root]) {
+        (false, _) => (linear(map).transpose(), linear(map_error).transpose()),
+        (true, None) => (Matrix3::zeros(), Matrix3::zeros()),
+        (true, Some(_)) => {
+            let (map, error) = (linear(map), linear(map_error));
+            let inverse = map.try_inverse().unwrap_or_default();
+            (inverse, inverse_error(&map, &error, arithmetic).transpose())
+        }
+    };
     let error = pose.value.iter().zip(&pose.error).enumerate().map(|(joint, transform)| {
-        if joint == root { Transform::zeros() } else { seen_from(moving, transform) }
+        if joint == root {
+            return Transform::zeros();
+        }
+        seen_from((&inverse.0, &inverse.1), (map, map_error), transform)
     });
-    Inexact { error: error.collect(), value: oracle.relative(&pose.value) }
+    Inexact { error: error.collect(), value }
 }
 
-/// Bounds the rotations θ = log(Q_pᵀ Q_j): one bound for the length of each error.
+/// Returns the transforms that the rotations come from: the pose if joints stretch, else the
+/// relative transforms.
+pub fn turning<'a>(
+    oracle: &EnvelopeModel,
+    pose: &'a Inexact<Transform>,
+    relative: &'a Inexact<Transform>,
+) -> &'a Inexact<Transform> {
+    if oracle.stretch_ranges.is_some() { pose } else { relative }
+}
+
+/// Bounds the rotations θ = log(R_pᵀ R_j): one bound for the length of each error.
 ///
 /// `rotation_error` bounds the error of the rotation. The slope of log is (|θ|/2)/sin(|θ|/2), at
 /// most π/2. |v| has an error of 1.5u and a root, and so has its ratio to w. The arc tangent has
 /// 2.1 ULP or 4.2u, including u for its division. The scale has the error of |v| again, a division
-/// and a product. In total 7.2u|θ|, two roots and two divisions; here 8u.
+/// and a product. In total 7.2u|θ|, two roots and two divisions; here 8u. A hidden joint has 0, and
+/// so has its child.
+///
+/// - `joints`: from [`turning`].
 pub fn rotations(
     oracle: &EnvelopeModel,
-    relative: &Inexact<Transform>,
+    joints: &Inexact<Transform>,
     arithmetic: Arithmetic,
 ) -> Inexact<Vector3<f64>, f64> {
     let of_angle = (8 + 2 * arithmetic.root + 2 * arithmetic.division) as f64 * U;
-    let value = oracle.rotations(&relative.value);
-    let error =
-        oracle.skeleton.parents.iter().zip(&value).enumerate().map(|(joint, (parent, theta))| {
-            let Some(parent) = *parent else { return 0.0 };
-            let turn = |j: usize| (linear(&relative.value[j]), linear(&relative.error[j]));
-            let ((p, p_error), (q, q_error)) = (turn(parent), turn(joint));
-            let (p, p_error) = (p.transpose(), p_error.transpose());
-            let error = product((&p, &p_error), (&q, &q_error), 3);
-            let half = theta.norm() / 2.0;
-            let steepness = if half > 0.0 { half / half.sin() } else { 1.0 };
-            steepness * rotation_error(&(p * q), &error) + of_angle * theta.norm()
-        });
-    Inexact { error: error.collect(), value }
+    let value = oracle.rotations(&joints.value);
+    let turns = turns(oracle, joints, arithmetic);
+    let bound = |(joint, theta): (usize, &Vector3<f64>)| {
+        let ((p, p_error), (q, q_error)) = (turns[oracle.skeleton.parents[joint]?]?, turns[joint]?);
+        let (p, p_error) = (p.transpose(), p_error.transpose());
+        let error = product((&p, &p_error), (&q, &q_error), 3);
+        let half = theta.norm() / 2.0;
+        let steepness = if half > 0.0 { half / half.sin() } else { 1.0 };
+        Some(steepness * rotation_error(&(p * q), &error) + of_angle * theta.norm())
+    };
+    let error = value.iter().enumerate().map(|at| bound(at).unwrap_or(0.0)).collect();
+    Inexact { error, value }
 }
 
 /// Bounds the angle of the error of a rotation whose quaternion is computed from a matrix.
@@ -74,30 +104,37 @@ pub fn same_branch(rotations: &mut Inexact<Vector3<f64>, f64>, found: &[[f32; 3]
 }
 
 /// Bounds the gradients: `D = Q_p exp(A θ_b) [exp(A' θ_c)] S`. Each product sums three products: γ₃
-/// each time.
+/// each time. If joints stretch, `Q_p = R_rᵀ R_p` is such a product too.
+///
+/// - `joints`: from [`turning`].
 pub fn gradients(
     oracle: &EnvelopeModel,
-    relative: &Inexact<Transform>,
+    joints: &Inexact<Transform>,
     rotations: &Inexact<Vector3<f64>, f64>,
     arithmetic: Arithmetic,
 ) -> Inexact<Matrix3<f64>> {
+    let stretches = oracle.stretch_ranges.is_some();
+    let (turns, strains) = (turns(oracle, joints, arithmetic), strains(oracle, joints));
     let bound = |key: &Key| {
-        let factors = oracle.factors(key, &relative.value, &rotations.value);
+        let factors = oracle.factors(key, &joints.value, &rotations.value);
         let turn = |matrix: &Matrix3<f64>, joint: usize, angles: &Vector3<f64>| {
             let theta = rotations.value[joint].abs();
             let from_product = (matrix.abs() * theta * gamma(3)).norm();
             let from_theta = matrix.norm() * rotations.error[joint] * (1.0 + gamma(3));
             exponential(angles, from_product + from_theta, arithmetic)
         };
-        let error_of = |joint: usize| Vector3::repeat(rotations.error[joint]);
         let above = oracle.skeleton.parents[key.joint];
-        let own = error_of(key.joint);
-        let of_parent = above.map_or(Vector3::zeros(), error_of);
-        let theta_error = angles(&own, &of_parent);
-        let theta = |joint: usize| rotations.value[joint].abs();
-        let theta = angles(&theta(key.joint), &above.map_or(Vector3::zeros(), theta));
-        // Two sums of three and their sum; then 1 is added on the diagonal.
-        let shear = theta * gamma(4) + theta_error * (1.0 + gamma(4));
+        let moved = |theta: &dyn Fn(usize) -> Vector3<f64>, strain: [f64; 6]| {
+            movement(&theta(key.joint), &above.map_or(Vector3::zeros(), theta), &strain)
+        };
+        let of_strain = |strain: [f64; 6]| if stretches { strain } else { [0.0; 6] };
+        let own_strain = of_strain(strains.value[key.joint].abs().into());
+        let strain_error = of_strain(strains.error[key.joint].into());
+        let most = moved(&|joint| rotations.value[joint].abs(), own_strain);
+        let error = moved(&|joint| Vector3::repeat(rotations.error[joint]), strain_error);
+        // Two or four sums of three, added up; then 1 is added on the diagonal.
+        let rounding = gamma(if stretches { 5 } else { 4 });
+        let shear = most * rounding + error * (1.0 + rounding);
         let diagonal = Matrix3::from_diagonal(&factors.stretch.diagonal().abs());
         let mut value = factors.stretch;
         let mut error = symmetric(&(key.shear.abs() * shear)) * (1.0 + U) + diagonal * U;
@@ -110,12 +147,20 @@ pub fn gradients(
         }
         apply(so3::exp(&factors.twist), turn(&key.twist, key.joint, &factors.twist));
         if let Some(parent) = above {
-            apply(factors.parent, linear(&relative.error[parent]));
+            let (own, own_error) = turns[parent].unwrap_or_default();
+            let of_parent = if stretches {
+                let (root, root_error) = turns[oracle.skeleton.root()].unwrap_or_default();
+                let (root, root_error) = (root.transpose(), root_error.transpose());
+                product((&root, &root_error), (&own, &own_error), 3)
+            } else {
+                own_error
+            };
+            apply(factors.parent, of_parent);
         }
         error
     };
     let error = oracle.keys().iter().map(bound).collect();
-    Inexact { error, value: oracle.gradients(&relative.value, &rotations.value) }
+    Inexact { error, value: oracle.gradients(&joints.value, &rotations.value) }
 }
 
 /// Bounds the exponential `I + sin φ K + (1 - cos φ) K²`, φ = |ω|, where K is the cross product

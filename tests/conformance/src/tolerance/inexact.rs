@@ -1,8 +1,7 @@
 //! Values with bounds of their errors, and the bounds that all stages use.
 
 use faer::Mat;
-use nalgebra::{Matrix3x4, SMatrix};
-use sinew_trainer::numeric::affine::linear;
+use nalgebra::{Matrix3, Matrix3x4, SMatrix};
 use sinew_trainer::regression::arithmetic::{U, gamma};
 
 /// Allowance for products that underflow. Each loses less than 2⁻¹²⁶ even if subnormal numbers are
@@ -49,16 +48,18 @@ impl<const R: usize, const C: usize> Inexact<SMatrix<f64, R, C>> {
     }
 }
 
-/// Bounds `[A⁻¹ B]` of transforms; A is treated as rigid.
+/// Bounds `[A⁻¹ L | A⁻¹ (t - t_a)]` of a transform `b = [L | t]`.
+///
+/// - `inverse`: the inverse of the linear part of `a`.
 pub(super) fn seen_from(
+    inverse: (&Matrix3<f64>, &Matrix3<f64>),
     (a, a_error): (&Transform, &Transform),
     (b, b_error): (&Transform, &Transform),
 ) -> Transform {
-    let (inverse, inverse_error) = (linear(a).transpose(), linear(a_error).transpose());
     let (mut apart, mut apart_error) = (*b, *b_error);
     apart.column_mut(3).axpy(-1.0, &a.column(3), 1.0);
     apart_error.column_mut(3).axpy(1.0, &a_error.column(3), 1.0);
-    product((&inverse, &inverse_error), (&apart, &apart_error), 4)
+    product(inverse, (&apart, &apart_error), 4)
 }
 
 /// Bounds a product after n roundings: `E_a |b| + |a| E_b + E_a E_b + γₙ (|a| + E_a)(|b| + E_b)`.

@@ -28,6 +28,7 @@ mod inexact;
 mod joints;
 mod kernel;
 mod palette;
+mod polar;
 mod shapes;
 mod skin;
 mod whole;
@@ -37,13 +38,14 @@ pub use correction::correction;
 pub use directions::Direction;
 pub use features::features;
 pub use filter::filter;
-pub use gradients::{gradients, relative, rotations, same_branch};
+pub use gradients::{gradients, relative, rotations, same_branch, turning};
 pub use inexact::{
     BOUNDS_AT_REST, BOUNDS_POSED, EXACT, Inexact, PSEUDO_SOLVED, SOLVED, Transform, UNDERFLOW,
 };
 pub use joints::joints;
 pub use kernel::kernel;
 pub use palette::palette;
+pub use polar::polar;
 pub use shapes::shapes;
 pub use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 pub use skin::{Skinned, rest, skin};

@@ -3,7 +3,7 @@
 use super::confidence::confidence;
 use super::correction::correction;
 use super::features::features;
-use super::gradients::{gradients, relative, rotations, same_branch};
+use super::gradients::{gradients, relative, rotations, same_branch, turning};
 use super::inexact::{Inexact, Transform};
 use super::joints::joints;
 use super::palette::palette;
@@ -15,24 +15,22 @@ use sinew_trainer::regression::arithmetic::Arithmetic;
 pub fn whole(
     oracle: &EnvelopeModel,
     pose: &Inexact<Transform>,
+    curves: &[f64],
     found: &[[f32; 3]],
     arithmetic: Arithmetic,
 ) -> (Inexact<Transform>, Inexact<f64>) {
-    let corrected =
-        |base| correction(oracle, pose, &features(oracle, pose, arithmetic), base, arithmetic);
     if !oracle.predictor().reconstructs() {
-        return corrected(joints(oracle, pose));
+        let features = features(oracle, pose, curves, arithmetic);
+        return correction(oracle, pose, &features, joints(oracle, pose), arithmetic);
     }
-    let relative = relative(oracle, pose);
-    let mut rotations = rotations(oracle, &relative, arithmetic);
+    let relative = relative(oracle, pose, arithmetic);
+    let turning = turning(oracle, pose, &relative);
+    let mut rotations = rotations(oracle, turning, arithmetic);
     same_branch(&mut rotations, found);
-    let gradients = gradients(oracle, &relative, &rotations, arithmetic);
+    let gradients = gradients(oracle, turning, &rotations, arithmetic);
     let root = oracle.skeleton.root();
     let (value, error) = (pose.value[root], pose.error[root]);
     let root = Inexact { value: vec![value], error: vec![error] };
     let palette = palette(oracle, &root, &relative, &gradients);
-    if oracle.predictor().corrects() {
-        return corrected(palette);
-    }
-    (palette, confidence(oracle, &rotations, arithmetic))
+    (palette, confidence(oracle, pose, &rotations, arithmetic))
 }

@@ -5,16 +5,18 @@ use super::{Folder, VectorError};
 use crate::backend::{Failure, Loaded, floats, part};
 use crate::cpu::Cpu;
 use crate::poses::{Kind, Pose, poses};
-use crate::stages::correction::base_of;
+use crate::stages::correction::{base_of, exact_floats};
 use crate::stages::exact;
 use crate::stages::features::features_of;
 use crate::stages::gradients::{columns, exact_rotations, gradients_of};
+use crate::stages::polar::split_of;
 use crate::stages::skin::{Skinned, whole_of};
 use crate::subject::Subject;
 use crate::tolerance::{self, Arithmetic, Inexact, Transform};
 use serde::Serialize;
 use sinew_gpu::layout::SkinBatch;
 use sinew_runtime::Matrix3x4;
+use sinew_runtime::envelope::STRAIN_LEN;
 use std::f64::consts::PI;
 
 /// Precision that a foreign backend must have.
@@ -34,24 +36,27 @@ struct Counts {
     palette: usize,
     vertices: usize,
     influences: usize,
+    curves: usize,
+    features: usize,
 }
 
 /// Loads a model and draws poses. Poses with a joint at a half turn, within the tolerance, are left
 /// out: two rotation vectors represent a half turn, and gradients depend on the choice.
 pub(super) fn subject(bytes: &[u8], pose_len: usize) -> Subject<'_> {
-    let mut out = Subject::new("vectors", bytes, 0);
+    let out = Subject::new("vectors", bytes, 0);
     let turned = |pose: &Pose| {
+        if pose.transforms.is_empty() {
+            return false;
+        }
         let pose = Inexact::exact(pose.widened());
-        let relative = tolerance::relative(&out.oracle, &pose);
-        let found = tolerance::rotations(&out.oracle, &relative, ARITHMETIC);
+        let relative = tolerance::relative(&out.oracle, &pose, ARITHMETIC);
+        let turning = tolerance::turning(&out.oracle, &pose, &relative);
+        let found = tolerance::rotations(&out.oracle, turning, ARITHMETIC);
         found.value.iter().zip(&found.error).any(|(theta, error)| theta.norm() + error >= PI)
     };
     let all = poses(&out.loaded.envelope, pose_len).into_iter();
     let kept = all.filter(|pose| pose.kind != Kind::HalfTurn && !turned(pose));
-    let kept: Vec<_> = kept.collect();
-    out.transforms = kept.iter().flat_map(|pose| pose.transforms.iter().copied()).collect();
-    out.poses = kept;
-    out
+    Subject::with_poses(out.name, out.loaded, kept.collect())
 }
 
 impl<'a> Case<'a> {
@@ -64,6 +69,8 @@ impl<'a> Case<'a> {
             palette: envelope.palette_len(),
             vertices: skin.vertex_len(),
             influences: skin.influence_len(),
+            curves: envelope.curve_len(),
+            features: envelope.counts().feature_len(),
         };
         let predictor = Some(envelope.predictor().name());
         Self { subject, written: Written::new(name, predictor, counts) }
@@ -108,8 +115,13 @@ impl<'a> Case<'a> {
 
     fn poses(&mut self) -> Result<(), Failure> {
         let subject = self.subject;
-        let Counts { poses: n, joints: j, palette: m, .. } = self.written.description.counts;
+        let Counts { poses: n, joints: j, palette: m, curves: c, .. } =
+            self.written.description.counts;
         self.written.array("pose", vec![n, j, 3, 4], floats(&subject.transforms));
+        if c > 0 {
+            self.written.array("curves", vec![n, c], &subject.curves);
+        }
+        self.polar()?;
         let whole = whole_of(&Cpu, subject)?;
         let (reconstructs, corrects) =
             (subject.oracle.predictor().reconstructs(), subject.oracle.predictor().corrects());
@@ -134,17 +146,51 @@ impl<'a> Case<'a> {
         } else {
             self.written.array("confidence", vec![n], &whole.confidences);
             let bounds = (0..n).map(|i| {
+                let pose = exact(part(&subject.transforms, n, i));
                 let given = exact_rotations(part(&rotations, n, i));
-                tolerance::confidence(&subject.oracle, &given, ARITHMETIC)
+                tolerance::confidence(&subject.oracle, &pose, &given, ARITHMETIC)
             });
             let tolerance = numbers_tolerance(&whole.confidences, &bounds.collect::<Vec<_>>());
-            self.written.stage("confidence", &["rotations"], vec![("confidence", tolerance)]);
+            let inputs = self.given(&["pose", "rotations"], &["strains"]);
+            self.written.stage("confidence", &inputs, vec![("confidence", tolerance)]);
         }
         let skin = SkinBatch::new(&subject.loaded.skin);
         let skinned = Skinned::gather(&whole.skin, &skin, n);
         self.skin(&whole.palettes, &skinned);
         self.end_to_end(&rotations, &whole.palettes, &whole.confidences, &skinned);
         Ok(())
+    }
+
+    /// Adds stage polar, if joints stretch.
+    fn polar(&mut self) -> Result<(), Failure> {
+        let subject = self.subject;
+        if !subject.loaded.envelope.stretches() {
+            return Ok(());
+        }
+        let Counts { poses: n, joints: j, .. } = self.written.description.counts;
+        let all = split_of(&Cpu, subject)?;
+        let (turns, strains) = (all.turns.as_flattened(), all.strains.as_flattened());
+        self.written.array("turns", vec![n, j, 3, 3], turns.as_flattened());
+        self.written.array("strains", vec![n, j, STRAIN_LEN], strains);
+        let [mut of_turns, mut of_strains] = [const { Tolerance::new() }; 2];
+        for i in 0..n {
+            let pose = exact(part(&subject.transforms, n, i));
+            let (turn, strain) = tolerance::polar(&subject.oracle, &pose, ARITHMETIC);
+            of_turns.columns(part(turns, n, i), &turn);
+            let right = strain.value.iter().flatten().zip(strain.error.iter().flatten());
+            for (x, (value, error)) in part(strains, n, i).iter().zip(right) {
+                of_strains.add(*x, *value, *error);
+            }
+        }
+        let outputs = vec![("turns", of_turns.0), ("strains", of_strains.0)];
+        self.written.stage("polar", &["pose"], outputs);
+        Ok(())
+    }
+
+    /// Lists the inputs of a stage; the second list are outputs of stage polar, if joints stretch.
+    fn given(&self, inputs: &[&'static str], split: &[&'static str]) -> Vec<&'static str> {
+        let stretches = self.subject.loaded.envelope.stretches();
+        [inputs, if stretches { split } else { &[] }].concat()
     }
 
     /// Adds stages gradients and palette; returns the rotations.
@@ -164,15 +210,16 @@ impl<'a> Case<'a> {
             [const { Tolerance::new() }; 4];
         for i in 0..n {
             let pose = exact(part(&subject.transforms, n, i));
-            let q = tolerance::relative(oracle, &pose);
+            let q = tolerance::relative(oracle, &pose, ARITHMETIC);
             relative.columns(part(&all.relative, n, i), &q);
-            let theta = tolerance::rotations(oracle, &q, ARITHMETIC);
+            let turning = tolerance::turning(oracle, &pose, &q);
+            let theta = tolerance::rotations(oracle, turning, ARITHMETIC);
             for (found, (value, error)) in
                 part(&all.rotations, n, i).iter().zip(theta.value.iter().zip(&theta.error))
             {
                 found.iter().zip(value).for_each(|(x, value)| rotations.add(*x, *value, *error));
             }
-            let d = tolerance::gradients(oracle, &q, &theta, ARITHMETIC);
+            let d = tolerance::gradients(oracle, turning, &theta, ARITHMETIC);
             gradients.columns(part(&all.gradients, n, i), &d);
             let given = |list: &[[f32; 3]]| Inexact::exact(columns(list));
             let root = Inexact::exact(vec![pose.value[oracle.skeleton.root()]]);
@@ -187,7 +234,8 @@ impl<'a> Case<'a> {
         }
         let outputs =
             vec![("relative", relative.0), ("rotations", rotations.0), ("gradients", gradients.0)];
-        self.written.stage("gradients", &["pose"], outputs);
+        let inputs = self.given(&["pose"], &["turns", "strains"]);
+        self.written.stage("gradients", &inputs, outputs);
         self.transforms(base_name, vec![n, m, 3, 4], base);
         self.written.stage(
             "palette",
@@ -204,17 +252,29 @@ impl<'a> Case<'a> {
         confidences: &[f32],
     ) -> Result<(), Failure> {
         let (subject, oracle) = (self.subject, &self.subject.oracle);
-        let Counts { poses: n, joints: j, palette: m, .. } = self.written.description.counts;
+        let Counts { poses: n, palette: m, features: f, curves: c, .. } =
+            self.written.description.counts;
         let features = features_of(&Cpu, subject)?;
-        self.transforms("features", vec![n, j, 3, 4], &features);
-        let bounds = subject.transforms_of(|pose| tolerance::features(oracle, &pose, ARITHMETIC));
-        let tolerance = transforms_tolerance(&features, &bounds);
-        self.written.stage("features", &["pose"], vec![("features", tolerance)]);
+        self.written.array("features", vec![n, f], &features);
+        let bounds = subject.poses.iter().map(|pose| {
+            let (given, curves) = (Inexact::exact(pose.widened()), pose.widened_curves());
+            tolerance::features(oracle, &given, &curves, ARITHMETIC)
+        });
+        let mut tolerance = Tolerance::new();
+        for (i, right) in bounds.enumerate() {
+            let right = right.value.iter().zip(&right.error);
+            for (x, (value, error)) in part(&features, n, i).iter().zip(right) {
+                tolerance.add(*x, *value, *error);
+            }
+        }
+        let curves: &[_] = if c > 0 { &["curves"] } else { &[] };
+        let inputs = self.given(&[&["pose"][..], curves].concat(), &["turns", "strains"]);
+        self.written.stage("features", &inputs, vec![("features", tolerance.0)]);
         self.transforms("palette", vec![n, m, 3, 4], palettes);
         self.written.array("confidence", vec![n], confidences);
         let bounds = (0..n).map(|i| {
-            let [pose, features, base] =
-                [&subject.transforms, &features, base].map(|list| exact(part(list, n, i)));
+            let [pose, base] = [&subject.transforms, base].map(|list| exact(part(list, n, i)));
+            let features = exact_floats(part(&features, n, i));
             tolerance::correction(oracle, &pose, &features, base, ARITHMETIC)
         });
         let (transforms, certain): (Vec<_>, Vec<_>) = bounds.unzip();
@@ -248,7 +308,9 @@ impl<'a> Case<'a> {
         let (subject, n) = (self.subject, self.written.description.counts.poses);
         let bounds = (0..n).map(|i| {
             let pose = exact(part(&subject.transforms, n, i));
-            tolerance::whole(&subject.oracle, &pose, part(rotations, n, i), ARITHMETIC)
+            let curves = subject.poses[i].widened_curves();
+            let rotations = part(rotations, n, i);
+            tolerance::whole(&subject.oracle, &pose, &curves, rotations, ARITHMETIC)
         });
         let (transforms, certain): (Vec<_>, Vec<_>) = bounds.unzip();
         let mut outputs = vec![
@@ -256,7 +318,9 @@ impl<'a> Case<'a> {
             ("confidence", numbers_tolerance(confidences, &certain)),
         ];
         outputs.extend(self.skin_tolerances(skinned, &transforms));
-        self.written.stage("whole", &["pose"], outputs);
+        let curves = subject.loaded.envelope.curve_len() > 0;
+        let inputs: &[_] = if curves { &["pose", "curves"] } else { &["pose"] };
+        self.written.stage("whole", inputs, outputs);
     }
 
     fn skin_tolerances(

@@ -10,7 +10,7 @@ pub use folder::{Folder, VectorError};
 use crate::filters::{self, FilterSubject};
 use crate::models::{self, SHAPES};
 use crate::subject::Subject;
-use ::models::{GOLDEN, KernelContent, Pieces};
+use ::models::{GOLDEN, GOLDEN_STRETCH, KernelContent, Pieces};
 use case::{Case, subject};
 use sinew_runtime::envelope::Predictor;
 use std::path::Path;
@@ -38,9 +38,11 @@ pub fn write(out: &Path) -> Result<(), VectorError> {
     let folder = Folder::create(out)?;
     folder.write("README.md", README.as_bytes())?;
     // The trained characters come from the golden files, which have equal bytes on every machine.
-    for (predictor, bytes) in Predictor::ALL.into_iter().zip(GOLDEN) {
-        let case = format!("character-{}", predictor.name());
-        Case::new(&case, &subject(bytes, CHARACTER_POSES)).write(bytes, &folder)?;
+    for (kind, files) in [("character", GOLDEN), ("character-stretch", GOLDEN_STRETCH)] {
+        for (predictor, bytes) in Predictor::ALL.into_iter().zip(files) {
+            let case = format!("{kind}-{}", predictor.name());
+            Case::new(&case, &subject(bytes, CHARACTER_POSES)).write(bytes, &folder)?;
+        }
     }
     for (shape, bytes) in SHAPES.iter().zip(models::shapes()) {
         let own: Subject<'_> = subject(bytes, POSES);

@@ -6,7 +6,7 @@ use conformance::backend::Failure;
 use conformance::compare::Mismatch;
 use conformance::finding::{Finding, sound};
 use conformance::gpu::Gpu;
-use conformance::models::{self, SHAPES, shape_of};
+use conformance::models::{self, SHAPES, shape_of, stretching_shape_of};
 use conformance::stages::{Body, applies, body, layout, whole};
 use conformance::subject::Subject;
 use sinew_gpu::headless::Device;
@@ -54,6 +54,7 @@ fn the_runtime_behind_the_trait_gives_the_runtimes_bits() {
 /// not write.
 fn places(stage: Stage) -> (Resource, usize, Resource, usize) {
     match stage {
+        Stage::Polar => (Resource::Scratch, 12 * 6, Resource::Poses, 5),
         Stage::Gradients => (Resource::Scratch, 1, Resource::Palettes, 2),
         Stage::Palette => (Resource::Palettes, 5, Resource::Scratch, 0),
         Stage::Joints => (Resource::Palettes, 5, Resource::Palettes, 1),
@@ -69,11 +70,12 @@ fn places(stage: Stage) -> (Resource, usize, Resource, usize) {
 fn a_device_that_is_wrong_is_caught() {
     let alone = |stage: &Stage| matches!(stage, Stage::Kernel | Stage::Shapes | Stage::Filter);
     for stage in Stage::ALL.into_iter().filter(|stage| !alone(stage)) {
-        let predictor = match stage {
-            Stage::Joints | Stage::Features | Stage::Correction => Predictor::Kernel,
-            _ => Predictor::Rotational,
+        let shape = match stage {
+            Stage::Polar => stretching_shape_of(Predictor::Kernel),
+            Stage::Joints | Stage::Features | Stage::Correction => shape_of(Predictor::Kernel),
+            _ => shape_of(Predictor::Rotational),
         };
-        let bytes = models::random(shape_of(predictor));
+        let bytes = models::random(shape);
         let subject = Subject::new("random", &bytes, 14);
         let (own, place, other, stray) = places(stage);
         let run = |fault| {

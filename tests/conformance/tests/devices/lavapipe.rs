@@ -5,7 +5,7 @@ use conformance::backend::Failure;
 use conformance::devices::{Counter, LAVAPIPE, list, open};
 use conformance::finding::{Finding, sound};
 use conformance::gpu::Gpu;
-use conformance::models::{self, shape_of};
+use conformance::models::{self, Shape, shape_of, stretching_shape_of};
 use conformance::poses::POSES;
 use conformance::stages::{applies, body, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject, random, shapes, trained};
@@ -54,12 +54,16 @@ fn evaluate(device: &dyn Device, limits: DeviceLimits, subject: &Subject<'_>, sa
     values
 }
 
-/// Runs a random model of each predictor's first shape, in batches of one instance, an odd number,
-/// and more than a workgroup; returns the number of values compared.
+/// Lists each predictor's first shape, and its first shape whose joints stretch.
+fn first_shapes() -> Vec<Shape> {
+    [Predictor::ALL.map(shape_of), Predictor::ALL.map(stretching_shape_of)].concat()
+}
+
+/// Runs a random model of each of the first shapes, in batches of one instance, an odd number, and
+/// more than a workgroup; returns the number of values compared.
 fn sizes(device: &dyn Device, same: bool) -> usize {
     let mut values = 0;
-    for predictor in Predictor::ALL {
-        let bytes = models::random(shape_of(predictor));
+    for bytes in first_shapes().into_iter().map(models::random) {
         for pose_len in [1, 7, 65] {
             let subject = Subject::new("random", &bytes, pose_len);
             values += evaluate(device, device.limits(), &subject, same);
@@ -118,8 +122,7 @@ fn validation_is_silent() {
         let (info, before) = (lavapipe(api), Counter::message_len());
         let device = open(&info, true).unwrap();
         let mut values = 0;
-        for predictor in Predictor::ALL {
-            let bytes = models::random(shape_of(predictor));
+        for bytes in first_shapes().into_iter().map(models::random) {
             let subject = Subject::new("random", &bytes, 65);
             values += evaluate(&*device, device.limits(), &subject, true);
             let cut = DeviceLimits { storage_binding_bytes: 48 << 10, ..device.limits() };

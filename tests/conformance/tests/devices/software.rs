@@ -191,18 +191,34 @@ impl Instance<'_, '_> {
         let envelope = loaded.envelope;
         let (j, p) = (envelope.joint_len(), envelope.proxy_len());
         let scratch = ScratchLayout::at_once(&envelope);
-        // A kernel model without helpers needs no scratch.
-        let needed = self.chunk.span(Resource::Scratch);
-        let own = needed.map_or(0, |_| self.place(Resource::Scratch, "scratch"));
-        let poses: Vec<Matrix3x4> =
-            self.take(Resource::Poses, self.place(Resource::Poses, "poses"), 12 * j);
+        // A kernel model without helpers needs no scratch, one without joints no poses.
+        let place = |resource: Resource, name: &str| {
+            self.chunk.span(resource).map_or(0, |_| self.place(resource, name))
+        };
+        let own = place(Resource::Scratch, "scratch");
+        let (at_poses, at_curves) =
+            (place(Resource::Poses, "poses"), place(Resource::Curves, "curves"));
+        let poses: Vec<Matrix3x4> = self.take(Resource::Poses, at_poses, 12 * j);
+        let curves: Vec<f32> = self.take(Resource::Curves, at_curves, envelope.curve_len());
         let palette_at = self.place(Resource::Palettes, "palettes");
         let palette_floats = 12 * envelope.palette_len();
+        let (at_turns, at_strains) = (own + scratch.turns, own + scratch.strains);
+        let splits = if self.batch.plan.stages().any(|own| own == Stage::Polar) { j } else { 0 };
+        let feature_len = envelope.counts().feature_len();
         match stage {
+            Stage::Polar => {
+                let (mut turns, mut strains) = (vec![[[0.0; 3]; 3]; j], vec![[0.0; 6]; j]);
+                stages::polar(&envelope, &poses, &mut turns, &mut strains)?;
+                self.put(Resource::Scratch, at_turns, turns.as_flattened().as_flattened());
+                self.put(Resource::Scratch, at_strains, strains.as_flattened());
+            }
             Stage::Gradients => {
+                let turns: Vec<[[f32; 3]; 3]> = self.take(Resource::Scratch, at_turns, 9 * splits);
+                let strains: Vec<[f32; 6]> = self.take(Resource::Scratch, at_strains, 6 * splits);
                 let (mut q, mut theta, mut d) =
                     (vec![[0.0; 3]; 4 * j], vec![[0.0; 3]; j], vec![[0.0; 3]; 3 * p]);
-                stages::gradients(&envelope, &poses, &mut q, &mut theta, &mut d)?;
+                let split = (&turns[..], &strains[..]);
+                stages::gradients(&envelope, &poses, split, &mut q, &mut theta, &mut d)?;
                 self.put(Resource::Scratch, own + scratch.relative, q.as_flattened());
                 self.put(Resource::Scratch, own + scratch.rotations, theta.as_flattened());
                 self.put(Resource::Scratch, own + scratch.gradients, d.as_flattened());
@@ -221,14 +237,16 @@ impl Instance<'_, '_> {
                 self.put(Resource::Palettes, palette_at, out.as_flattened().as_flattened());
             }
             Stage::Features => {
-                let mut out = vec![[[0.0; 4]; 3]; j];
-                stages::features(&envelope, &poses, &mut out)?;
+                let turns: Vec<[[f32; 3]; 3]> = self.take(Resource::Scratch, at_turns, 9 * splits);
                 let at = own + scratch.features;
-                self.put(Resource::Scratch, at, out.as_flattened().as_flattened());
+                // Stage polar has written the strains.
+                let mut out: Vec<f32> = self.take(Resource::Scratch, at, feature_len);
+                stages::features(&envelope, &poses, &curves, &turns, &mut out)?;
+                self.put(Resource::Scratch, at, &out);
             }
             Stage::Correction => {
-                let phi: Vec<Matrix3x4> =
-                    self.take(Resource::Scratch, own + scratch.features, 12 * j);
+                let phi: Vec<f32> =
+                    self.take(Resource::Scratch, own + scratch.features, feature_len);
                 let mut out: Vec<Matrix3x4> =
                     self.take(Resource::Palettes, palette_at, palette_floats);
                 let mut own_scratch = vec![0.0; envelope.correction_len()];
@@ -248,7 +266,9 @@ impl Instance<'_, '_> {
                 } else {
                     let theta: Vec<[f32; 3]> =
                         self.take(Resource::Scratch, own + scratch.rotations, 3 * j);
-                    stages::confidence(&envelope, &theta)?
+                    let strains: Vec<[f32; 6]> =
+                        self.take(Resource::Scratch, at_strains, 6 * splits);
+                    stages::confidence(&envelope, &poses, &theta, &strains)?
                 };
                 let at = self.place(Resource::Confidences, "confidences");
                 self.put(Resource::Confidences, at, &[value]);
@@ -328,9 +348,15 @@ impl Cut<f32> for [f32] {
     }
 }
 
-impl Cut<[f32; 3]> for [f32] {
-    fn cut(&self) -> &[[f32; 3]] {
+impl<const N: usize> Cut<[f32; N]> for [f32] {
+    fn cut(&self) -> &[[f32; N]] {
         self.as_chunks().0
+    }
+}
+
+impl Cut<[[f32; 3]; 3]> for [f32] {
+    fn cut(&self) -> &[[[f32; 3]; 3]] {
+        self.as_chunks::<3>().0.as_chunks().0
     }
 }
 

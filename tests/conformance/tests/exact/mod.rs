@@ -180,7 +180,8 @@ fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted
         let root = pose[oracle.skeleton.root()];
         // Each of the file's numbers has an error of u, which is less than the rounding of an f32
         // evaluation.
-        let (found, _) = whole(&oracle, &Inexact::exact(pose), &none, Arithmetic::IEEE);
+        let curves = examples.curves_of(frame);
+        let (found, _) = whole(&oracle, &Inexact::exact(pose), curves, &none, Arithmetic::IEEE);
         for (l, (transform, error)) in found.value.iter().zip(&found.error).enumerate() {
             let mut t = Transform::from_fn(|r, c| expected[(3 * frame + r, 4 * l + c)]);
             // Training uses its own unit and centre.

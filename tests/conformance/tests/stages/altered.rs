@@ -1,6 +1,6 @@
 //! Faulty backends: the runtime with altered outputs, and one that does nothing.
 
-use conformance::backend::{Backend, Failure, Gradients, Loaded, Whole};
+use conformance::backend::{Backend, Failure, Gradients, Loaded, Poses, Split, Whole};
 use conformance::cpu::Cpu;
 use conformance::filters::FilterSubject;
 use conformance::kernels::KernelSubject;
@@ -11,27 +11,32 @@ use sinew_runtime::Matrix3x4;
 
 /// Inputs and outputs of a stage.
 pub(crate) enum Step<'a> {
+    Polar {
+        poses: Poses<'a>,
+        out: &'a mut Split,
+    },
     Gradients {
-        poses: &'a [Matrix3x4],
+        poses: Poses<'a>,
         out: &'a mut Gradients,
     },
     Palette {
-        poses: &'a [Matrix3x4],
+        poses: Poses<'a>,
         input: &'a Gradients,
         out: &'a mut [Matrix3x4],
     },
     Features {
-        poses: &'a [Matrix3x4],
-        out: &'a mut [Matrix3x4],
+        poses: Poses<'a>,
+        out: &'a mut [f32],
     },
     Correction {
-        poses: &'a [Matrix3x4],
-        features: &'a [Matrix3x4],
+        poses: Poses<'a>,
+        features: &'a [f32],
         base: Vec<Matrix3x4>,
         out: &'a mut [Matrix3x4],
         confidences: &'a mut [f32],
     },
     Confidence {
+        poses: Poses<'a>,
         rotations: &'a [[f32; 3]],
         out: &'a mut [f32],
     },
@@ -81,14 +86,22 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
         Cpu.has(loaded, stage)
     }
 
+    fn polar(&self, loaded: &Loaded<'_>, poses: Poses<'_>, out: &mut Split) -> Result<(), Failure> {
+        let Some(alter) = &self.alter else { return Ok(()) };
+        Cpu.polar(loaded, poses, out)?;
+        alter(Step::Polar { poses, out });
+        Ok(())
+    }
+
     fn gradients(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
         out: &mut Gradients,
     ) -> Result<(), Failure> {
         let Some(alter) = &self.alter else { return Ok(()) };
-        Cpu.gradients(loaded, poses, out)?;
+        Cpu.gradients(loaded, poses, split, out)?;
         alter(Step::Gradients { poses, out });
         Ok(())
     }
@@ -96,7 +109,7 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     fn palette(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         input: &Gradients,
         out: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
@@ -109,7 +122,7 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     fn joints(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         out: &mut [Matrix3x4],
     ) -> Result<(), Failure> {
         if self.alter.is_none() {
@@ -121,11 +134,12 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     fn features(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        out: &mut [Matrix3x4],
+        poses: Poses<'_>,
+        split: &Split,
+        out: &mut [f32],
     ) -> Result<(), Failure> {
         let Some(alter) = &self.alter else { return Ok(()) };
-        Cpu.features(loaded, poses, out)?;
+        Cpu.features(loaded, poses, split, out)?;
         alter(Step::Features { poses, out });
         Ok(())
     }
@@ -133,8 +147,8 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     fn correction(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
-        features: &[Matrix3x4],
+        poses: Poses<'_>,
+        features: &[f32],
         out: &mut [Matrix3x4],
         confidences: &mut [f32],
     ) -> Result<(), Failure> {
@@ -148,12 +162,14 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     fn confidence(
         &self,
         loaded: &Loaded<'_>,
+        poses: Poses<'_>,
         rotations: &[[f32; 3]],
+        split: &Split,
         out: &mut [f32],
     ) -> Result<(), Failure> {
         let Some(alter) = &self.alter else { return Ok(()) };
-        Cpu.confidence(loaded, rotations, out)?;
-        alter(Step::Confidence { rotations, out });
+        Cpu.confidence(loaded, poses, rotations, split, out)?;
+        alter(Step::Confidence { poses, rotations, out });
         Ok(())
     }
 
@@ -205,7 +221,7 @@ impl<F: Fn(Step<'_>)> Backend for Altered<F> {
     fn whole(
         &self,
         loaded: &Loaded<'_>,
-        poses: &[Matrix3x4],
+        poses: Poses<'_>,
         skin: &SkinBatch,
         out: &mut Whole,
     ) -> Result<(), Failure> {

@@ -3,12 +3,13 @@
 
 use crate::stages::altered::{Step, altered, idle};
 use ::models::Pieces;
-use conformance::backend::{Backend, Failure, Loaded, part};
+use conformance::backend::{Backend, Failure, Loaded, Poses, part};
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;
 use conformance::finding::{Finding, sound};
-use conformance::models::{self, SHAPES, shape_of};
+use conformance::models::{self, SHAPES, shape_of, stretching_shape_of};
 use conformance::poses::widened;
+use conformance::stages::correction::exact_floats;
 use conformance::stages::gradients::{columns, exact_rotations};
 use conformance::stages::{self, bounds, correction, exact, joints, layout, whole};
 use conformance::subject::{FEWER_POSES, Subject};
@@ -22,6 +23,10 @@ const IEEE: Arithmetic = Arithmetic::IEEE;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Output {
+    /// Of models whose joints stretch.
+    Turns,
+    /// Of models whose joints stretch.
+    Strains,
     Relative,
     Rotations,
     Gradients,
@@ -37,7 +42,9 @@ enum Output {
     Tangents,
 }
 
-const OUTPUTS: [Output; 11] = [
+const OUTPUTS: [Output; 13] = [
+    Output::Turns,
+    Output::Strains,
     Output::Relative,
     Output::Rotations,
     Output::Gradients,
@@ -55,13 +62,23 @@ impl Output {
     /// Returns the predictor of a model that has the output.
     fn predictor(self) -> Predictor {
         match self {
-            Self::Features | Self::Correction | Self::CorrectionConfidence => Predictor::Kernel,
+            Self::Turns | Self::Features | Self::Correction | Self::CorrectionConfidence => {
+                Predictor::Kernel
+            }
             _ => Predictor::Rotational,
         }
     }
 
+    /// Lists a model that has the output whose joints stretch, and one whose joints do not.
+    fn models(self) -> Vec<Vec<u8>> {
+        let stretching = stretching_shape_of(self.predictor());
+        let rigid = (self.stage() != Stage::Polar).then(|| shape_of(self.predictor()));
+        [stretching].into_iter().chain(rigid).map(models::random).collect()
+    }
+
     fn stage(self) -> Stage {
         match self {
+            Self::Turns | Self::Strains => Stage::Polar,
             Self::Relative | Self::Rotations | Self::Gradients => Stage::Gradients,
             Self::Palette => Stage::Palette,
             Self::Features => Stage::Features,
@@ -96,50 +113,69 @@ impl Spoil<'_> {
         let (oracle, envelope) = (&self.subject.oracle, &self.subject.loaded.envelope);
         let joint_len = envelope.joint_len();
         match (self.output, step) {
+            (Output::Turns | Output::Strains, Step::Polar { poses, out }) => {
+                for i in 0..poses.len {
+                    let (turns, strains) =
+                        tolerance::polar(oracle, &exact(poses.one(i).joints), IEEE);
+                    let (last, at) = (joint_len - 1, (i + 1) * joint_len - 1);
+                    if self.output == Output::Turns {
+                        let (value, error) = (turns.value[last], turns.error[last]);
+                        self.off(&mut out.turns[at][1][2], value[(2, 1)], error[(2, 1)]);
+                    } else {
+                        let (value, error) = (strains.value[last], strains.error[last]);
+                        self.off(&mut out.strains[at][4], value[4], error[4]);
+                    }
+                }
+            }
             (Output::Relative, Step::Gradients { poses, out }) => {
-                for (pose, out) in
-                    poses.chunks(joint_len).zip(out.relative.chunks_mut(4 * joint_len))
-                {
-                    let right = tolerance::relative(oracle, &exact(pose));
+                for (i, out) in out.relative.chunks_mut(4 * joint_len).enumerate() {
+                    let right = tolerance::relative(oracle, &exact(poses.one(i).joints), IEEE);
                     let (value, error) = (right.value[joint_len - 1], right.error[joint_len - 1]);
                     self.off(&mut out[4 * joint_len - 1][2], value[(2, 3)], error[(2, 3)]);
                 }
             }
-            (Output::Rotations, Step::Gradients { out, .. }) => {
-                let relative = out.relative.chunks(4 * joint_len);
-                for (relative, out) in relative.zip(out.rotations.chunks_mut(joint_len)) {
-                    let right =
-                        tolerance::rotations(oracle, &Inexact::exact(columns::<4>(relative)), IEEE);
-                    let last = joint_len - 1;
-                    self.off(&mut out[last][1], right.value[last][1], right.error[last]);
+            (Output::Rotations, Step::Gradients { poses, out }) => {
+                for i in 0..poses.len {
+                    let pose = exact(poses.one(i).joints);
+                    let relative = Inexact::exact(columns(part(&out.relative, poses.len, i)));
+                    let turning = tolerance::turning(oracle, &pose, &relative);
+                    let right = tolerance::rotations(oracle, turning, IEEE);
+                    let (last, at) = (joint_len - 1, (i + 1) * joint_len - 1);
+                    self.off(&mut out.rotations[at][1], right.value[last][1], right.error[last]);
                 }
             }
             (Output::Gradients, Step::Gradients { poses, out }) => {
-                let n = poses.len() / joint_len;
+                let n = poses.len;
                 let own = out.gradients.len() / n;
                 for i in 0..n {
-                    let relative = Inexact::exact(columns::<4>(part(&out.relative, n, i)));
+                    let pose = exact(poses.one(i).joints);
+                    let relative = Inexact::exact(columns(part(&out.relative, n, i)));
                     let angles = exact_rotations(part(&out.rotations, n, i));
-                    let right = tolerance::gradients(oracle, &relative, &angles, IEEE);
+                    let turning = tolerance::turning(oracle, &pose, &relative);
+                    let right = tolerance::gradients(oracle, turning, &angles, IEEE);
                     let (value, error) = (right.value[0][(0, 1)], right.error[0][(0, 1)]);
                     self.off(&mut out.gradients[i * own + 1][0], value, error);
                 }
             }
             (Output::Palette, Step::Palette { poses, input, out }) => {
-                let n = poses.len() / joint_len;
+                let n = poses.len;
                 for (i, out) in out.chunks_mut(envelope.palette_len()).enumerate() {
                     let relative = Inexact::exact(columns(part(&input.relative, n, i)));
                     let gradients = Inexact::exact(columns(part(&input.gradients, n, i)));
-                    let root = &part(poses, n, i)[envelope.root()];
+                    let root = &poses.one(i).joints[envelope.root()];
                     let root = Inexact::exact(vec![widened(root)]);
                     let right = tolerance::palette(oracle, &root, &relative, &gradients);
                     self.off(&mut out[1][2][3], right.value[1][(2, 3)], right.error[1][(2, 3)]);
                 }
             }
             (Output::Features, Step::Features { poses, out }) => {
-                for (pose, out) in poses.chunks(joint_len).zip(out.chunks_mut(joint_len)) {
-                    let right = tolerance::features(oracle, &exact(pose), IEEE);
-                    self.off(&mut out[0][2][3], right.value[0][(2, 3)], right.error[0][(2, 3)]);
+                let feature_len = envelope.counts().feature_len();
+                for (i, out) in out.chunks_mut(feature_len).enumerate() {
+                    let Poses { joints, curves, .. } = poses.one(i);
+                    let curves = exact_floats(curves).value;
+                    let right = tolerance::features(oracle, &exact(joints), &curves, IEEE);
+                    // The last entry of the first joint's gap.
+                    self.off(&mut out[11], right.value[11], right.error[11]);
                 }
             }
             (
@@ -148,8 +184,9 @@ impl Spoil<'_> {
             ) => {
                 let n = confidences.len();
                 for i in 0..n {
-                    let [pose, features, base] =
-                        [poses, features, &base].map(|list| exact(part(list, n, i)));
+                    let pose = exact(poses.one(i).joints);
+                    let (features, base) =
+                        (exact_floats(part(features, n, i)), exact(part(&base, n, i)));
                     let (transforms, confidence) =
                         tolerance::correction(oracle, &pose, &features, base, IEEE);
                     let last = transforms.value.len() - 1;
@@ -162,9 +199,11 @@ impl Spoil<'_> {
                     }
                 }
             }
-            (Output::Confidence, Step::Confidence { rotations, out }) => {
-                for (rotations, out) in rotations.chunks(joint_len).zip(out) {
-                    let right = tolerance::confidence(oracle, &exact_rotations(rotations), IEEE);
+            (Output::Confidence, Step::Confidence { poses, rotations, out }) => {
+                for (i, out) in out.iter_mut().enumerate() {
+                    let pose = exact(poses.one(i).joints);
+                    let rotations = exact_rotations(part(rotations, poses.len, i));
+                    let right = tolerance::confidence(oracle, &pose, &rotations, IEEE);
                     self.off(out, right.value[0], right.error[0]);
                 }
             }
@@ -215,13 +254,14 @@ fn off_by(
 
 #[test]
 fn one_value_off_by_two_tolerances_is_caught() {
-    for output in OUTPUTS {
-        let bytes = models::random(shape_of(output.predictor()));
-        let subject = Subject::new("random", &bytes, FEWER_POSES);
-        let off_by = |factor| off_by(&subject, output, factor, stages::body(output.stage()));
-        let caught = off_by(2.0);
-        assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{output:?}: {caught:?}");
-        assert_eq!(off_by(0.5), Ok(()), "{output:?}: half a tolerance is within it");
+    for (output, bytes) in OUTPUTS.map(|output| (output, output.models())) {
+        for bytes in bytes {
+            let subject = Subject::new("random", &bytes, FEWER_POSES);
+            let off_by = |factor| off_by(&subject, output, factor, stages::body(output.stage()));
+            let caught = off_by(2.0);
+            assert!(matches!(caught, Err(Mismatch::Beyond { .. })), "{output:?}: {caught:?}");
+            assert_eq!(off_by(0.5), Ok(()), "{output:?}: half a tolerance is within it");
+        }
     }
 }
 
@@ -259,10 +299,11 @@ fn an_output_left_alone_is_caught() {
     let caught = |backend: &dyn Backend, body: stages::Body, subject: &Subject<'_>| {
         sound(&body(backend, subject).unwrap()).is_err()
     };
-    for output in OUTPUTS {
-        let bytes = models::random(shape_of(output.predictor()));
-        let subject = Subject::new("random", &bytes, 2);
-        assert!(caught(&idle(), stages::body(output.stage()), &subject), "{output:?}");
+    for (output, bytes) in OUTPUTS.map(|output| (output, output.models())) {
+        for bytes in bytes {
+            let subject = Subject::new("random", &bytes, 2);
+            assert!(caught(&idle(), stages::body(output.stage()), &subject), "{output:?}");
+        }
     }
     for predictor in Predictor::ALL {
         let bytes = models::random(shape_of(predictor));

@@ -1,6 +1,6 @@
 //! The kernel maps, over very many poses.
 
-use conformance::backend::part;
+use conformance::backend::{Poses, part};
 use conformance::compare::Mismatch;
 use conformance::cpu::Cpu;
 use conformance::models::{self, shape_of};
@@ -27,10 +27,11 @@ fn a_hundred_thousand_poses_are_within_the_bound() {
     let features = features_of(&Cpu, &subject).unwrap();
     let run = |half: usize| {
         let features = part(&features, 2, half);
-        let n = features.len() / envelope.joint_len();
-        let still = vec![IDENTITY; features.len()];
+        let n = features.len() / envelope.counts().feature_len();
+        let still = vec![IDENTITY; n * envelope.joint_len()];
+        let still = Poses { len: n, joints: &still, curves: &[] };
         let nothing = vec![[[0.0; 4]; 3]; n * envelope.palette_len()];
-        let (findings, confidences) = on(&Cpu, &subject, &still, features, &nothing).unwrap();
+        let (findings, confidences) = on(&Cpu, &subject, still, features, &nothing).unwrap();
         let mut counts = [0; 3];
         for confidence in confidences {
             counts[if confidence < LOW { 0 } else { 1 + usize::from(confidence > HIGH) }] += 1;

@@ -6,6 +6,7 @@ mod controls;
 mod correction;
 mod filter;
 mod kernel;
+mod polar;
 mod shapes;
 
 use conformance::backend::Loaded;
@@ -44,6 +45,11 @@ fn on_every_model(body: Body) {
 
 fn on_models_with(stage: Stage) {
     on_models_of(|subject| applies(stage, &Cpu, &subject.loaded), usize::MAX, body(stage));
+}
+
+#[test]
+fn polar() {
+    on_models_with(Stage::Polar);
 }
 
 #[test]

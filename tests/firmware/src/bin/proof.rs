@@ -196,9 +196,9 @@ fn tables(model: &Model<&[u8]>) {
 }
 
 fn counts(kind: SectionKind) {
-    if let Some(counts) = EnvelopeCounts::from_words(black_box([0; 6])) {
+    if let Some(counts) = EnvelopeCounts::from_words(black_box([0; 8])) {
         black_box((counts.has(kind), counts.section_bytes(kind), counts.palette_len()));
-        black_box((counts.words(), counts.predictor.name()));
+        black_box((counts.words(), counts.predictor.name(), counts.feature_len()));
     }
     let counts = SkinCounts::from_words(black_box([0; 7]));
     black_box((counts.has(kind), counts.section_bytes(kind, index(), black_box(Element::I8))));
@@ -215,7 +215,8 @@ fn counts(kind: SectionKind) {
 fn numbers(envelope: Envelope<'_>) {
     let e = envelope;
     black_box([e.joint_len(), e.proxy_len(), e.palette_len(), e.group_len(), e.root(), e.part()]);
-    black_box([e.scratch_len(), e.correction_len()]);
+    black_box([e.scratch_len(), e.correction_len(), e.curve_len()]);
+    black_box(e.stretches());
     black_box((e.name(), e.predictor(), e.certificate(), e.counts(), e.file()));
     black_box(ScratchLayout::at_once(&e));
 }
@@ -224,6 +225,7 @@ fn arrays(envelope: Envelope<'_>) {
     let e = envelope;
     black_box((e.joint_name(index()), e.parent(index()), e.inverse_bind(index())));
     black_box((e.origin(index()), e.pose_range(index()), e.pose_gap(index())));
+    black_box((e.stretch_range(index()), e.curve_range(index()), e.curve_name(index())));
     black_box((e.key(index()), e.c1(index(), index()), e.c2(index(), index())));
     for joint in e.evaluation_order() {
         black_box(joint);
@@ -242,31 +244,34 @@ fn evaluate(envelope: Envelope<'_>) -> Result<(), CallError> {
     let local = some::<LocalTransform>(&[]);
     let mut own = Workspace::<4>::new();
     let (pose, palette) = (some_mut::<Matrix3x4>(&mut []), some_mut::<Matrix3x4>(&mut []));
-    let map = some_mut::<u32>(&mut []);
+    let (map, curves) = (some_mut::<u32>(&mut []), some::<f32>(&[]));
     let _ = black_box(envelope.bind_joints(some::<&[u8]>(&[]), map)?);
+    envelope.bind_curves(some::<&[u8]>(&[]), map)?;
     gather_pose(&envelope, map, some(&[]), some(&[]).first(), pose)?;
-    black_box(envelope.check_pose(pose).is_ok());
+    black_box(envelope.check_pose(pose, curves).is_ok());
     model_space_pose(&envelope, local, pose)?;
-    black_box(envelope.palette(pose, some_mut(&mut own), palette)?);
+    black_box(envelope.palette(pose, curves, some_mut(&mut own), palette)?);
     black_box(envelope.rotational_palette(pose, some_mut(&mut own), palette)?);
-    envelope.palettes(pose, some_mut(&mut own), palette, some_mut(&mut []))
+    envelope.palettes(pose, curves, some_mut(&mut own), palette, some_mut(&mut []))
 }
 
 fn base(envelope: Envelope<'_>) -> Result<(), CallError> {
     let (pose, palette) = (some::<Matrix3x4>(&[]), some_mut::<Matrix3x4>(&mut []));
     stages::joints(&envelope, pose, palette)?;
+    let (turns, strains) = (some_mut::<[[f32; 3]; 3]>(&mut []), some_mut::<[f32; 6]>(&mut []));
+    stages::polar(&envelope, pose, turns, strains)?;
     let (relative, rotations) = (some_mut::<[f32; 3]>(&mut []), some_mut::<[f32; 3]>(&mut []));
     let d = some_mut::<[f32; 3]>(&mut []);
-    stages::gradients(&envelope, pose, relative, rotations, d)?;
+    stages::gradients(&envelope, pose, (&*turns, &*strains), relative, rotations, d)?;
     stages::palette(&envelope, &black_box([[0.0; 4]; 3]), relative, d, palette)?;
-    black_box(stages::confidence(&envelope, rotations)?);
+    black_box(stages::confidence(&envelope, pose, rotations, strains)?);
     Ok(())
 }
 
 fn correction(envelope: Envelope<'_>) -> Result<(), CallError> {
     let (pose, palette) = (some::<Matrix3x4>(&[]), some_mut::<Matrix3x4>(&mut []));
-    let phi = some_mut::<Matrix3x4>(&mut []);
-    stages::features(&envelope, pose, phi)?;
+    let phi = some_mut::<f32>(&mut []);
+    stages::features(&envelope, pose, some(&[]), some(&[]), phi)?;
     black_box(stages::correction(&envelope, pose, phi, some_mut(&mut []), palette)?);
     Ok(())
 }

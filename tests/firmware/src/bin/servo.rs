@@ -9,7 +9,7 @@ firmware::image!(run);
 firmware::may_panic!();
 
 /// In flash: read in place, never copied.
-static MODEL: &[u8] = include_bytes!("../../../golden/kernel-8-servo.snw");
+static MODEL: &[u8] = include_bytes!("../../../golden/kernel-9-servo.snw");
 
 /// Largest kernel that fits in this firmware.
 const ROOM: KernelCounts = KernelCounts {

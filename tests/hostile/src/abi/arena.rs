@@ -51,9 +51,12 @@ pub(super) struct Arena {
     pub(super) file: Range<usize>,
     /// The file that replaces the first file, if one does.
     other: Range<usize>,
-    /// Inputs of the frame; as many poses as a batch has.
+    /// Inputs of the frame; as many poses as a batch has, each with its curves.
     pub(super) local: Range<usize>,
     pub(super) poses: Range<usize>,
+    pub(super) curves: Range<usize>,
+    /// Room for a name of each joint or of each curve.
+    pub(super) names: Range<usize>,
     pub(super) skin_palette: Range<usize>,
     pub(super) remap: Range<usize>,
     pub(super) rest: [Range<usize>; 3],
@@ -113,6 +116,7 @@ impl Arena {
             + 4 * (frame.scratch_len + 32 * 2 * (frame.vertex_len + 1))
             + BATCH * size_of_val(&*frame.palette)
             + size_of_val(&*frame.pose)
+            + size_of_val(&*frame.curves)
             + 6 * frame.vertex_len * frame.influence_len;
         let mut arena = Self {
             memory: Vec::new(),
@@ -127,6 +131,8 @@ impl Arena {
             other: place(if since == Since::Reloaded { other.len() } else { 0 }),
             local: place(size_of_val(&*frame.local)),
             poses: place(BATCH * size_of_val(&*frame.pose)),
+            curves: place(BATCH * size_of_val(&*frame.curves)),
+            names: place(size_of::<sinew_name>() * frame.pose.len().max(frame.curves.len())),
             skin_palette: place(size_of_val(&*frame.skin_palette)),
             remap: place(size_of_val(&*frame.remap)),
             rest: [12, 12, 16].map(|bytes| place(bytes * frame.vertex_len)),
@@ -180,6 +186,7 @@ impl Arena {
         for (place, content) in [
             (self.local.start, bytes(local)),
             (self.poses.start, bytes(poses)),
+            (self.curves.start, bytes(frame.curves.repeat(BATCH))),
             (self.skin_palette.start, bytes(floats(&frame.skin_palette))),
             (self.remap.start, remap.collect()),
             (self.weights.start, bytes(frame.weights.iter().copied())),

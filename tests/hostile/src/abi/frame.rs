@@ -26,6 +26,7 @@ pub(super) struct Frame {
     pub(super) scratch_len: usize,
     pub(super) local: Vec<LocalTransform>,
     pub(super) pose: Vec<Matrix3x4>,
+    pub(super) curves: Vec<f32>,
     pub(super) palette: Vec<Matrix3x4>,
     pub(super) confidence: f32,
 
@@ -95,7 +96,8 @@ impl Frame {
             let envelope = model.envelope_of(&skin);
             let palette = envelope.map(|envelope| {
                 let local = poses::local(&envelope, pose_number);
-                palette(&envelope, &poses::from_local(&envelope, &local)).0
+                let curves = poses::curves(&envelope, pose_number);
+                palette(&envelope, &poses::from_local(&envelope, &local), &curves).0
             });
             frame.add_skin(&skin, palette.unwrap_or_default());
         }
@@ -124,7 +126,8 @@ impl Frame {
         self.scratch_len = envelope.scratch_len();
         self.local = poses::local(envelope, pose_number);
         self.pose = poses::from_local(envelope, &self.local);
-        (self.palette, self.confidence) = palette(envelope, &self.pose);
+        self.curves = poses::curves(envelope, pose_number);
+        (self.palette, self.confidence) = palette(envelope, &self.pose, &self.curves);
     }
 
     fn add_skin(&mut self, skin: &Skin<'_>, palette: Vec<Matrix3x4>) {
@@ -247,10 +250,10 @@ impl Evaluated {
     }
 }
 
-fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
+fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4], curves: &[f32]) -> (Vec<Matrix3x4>, f32) {
     let mut scratch = vec![f32::NAN; envelope.scratch_len()];
     let mut palette = vec![[[f32::NAN; 4]; 3]; envelope.palette_len()];
-    match envelope.palette(pose, &mut scratch, &mut palette) {
+    match envelope.palette(pose, curves, &mut scratch, &mut palette) {
         Ok(confidence) => (palette, confidence),
         Err(error) => panic!("the runtime refuses its own file's pose: {error}"),
     }

@@ -8,7 +8,7 @@ use super::kernels;
 use super::posed;
 use super::priors;
 use super::shapes;
-use super::shared::{FLOATS, optional, outputs, spoilt_pose, unknown, wanted};
+use super::shared::{FLOATS, optional, outputs, spoilt_curves, spoilt_pose, unknown, wanted};
 use super::views;
 use crate::recipe;
 use arbitrary::Result;
@@ -23,7 +23,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions and their names.
-pub(super) const FUNCTIONS: [(&str, Function); 55] = [
+pub(super) const FUNCTIONS: [(&str, Function); 57] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -32,6 +32,7 @@ pub(super) const FUNCTIONS: [(&str, Function); 55] = [
     ("sinew_envelope_open", envelope_open),
     ("sinew_envelope_describe", envelope_describe),
     ("sinew_envelope_joint", joint),
+    ("sinew_envelope_curve", curve),
     ("sinew_envelope_order", order),
     ("sinew_envelope_pose", pose),
     ("sinew_envelope_palette", palette),
@@ -41,6 +42,7 @@ pub(super) const FUNCTIONS: [(&str, Function); 55] = [
     ("sinew_envelope_joint_confidences", posed::joint_confidences),
     ("sinew_envelope_rest_locals", posed::rest_locals),
     ("sinew_envelope_bind", posed::bind),
+    ("sinew_envelope_bind_curves", posed::bind_curves),
     ("sinew_envelope_gather", posed::gather),
     ("sinew_envelope_check_pose", posed::check_pose),
     ("sinew_pose_take_scale", posed::take_scale),
@@ -110,19 +112,18 @@ fn load(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 /// Draws limits, some of which the file may exceed.
 fn limits(call: &mut Call<'_, '_>) -> Result<*const sinew_limits> {
     let place = call.arena.argument.start;
-    let mut limits = [u32::MAX; 5];
+    let mut limits = [u32::MAX; 6];
     for limit in &mut limits {
         if call.one_in(4)? {
             *limit = call.any()?;
         }
     }
-    let [file_bytes, tables, vertices, joints, proxies] = limits;
+    let [file_bytes, tables, vertices, joints, proxies, curves] = limits;
     let tables = [tables as u16, (tables >> 16) as u16];
     let mut content = file_bytes.to_ne_bytes().to_vec();
     content.extend(tables.into_iter().flat_map(u16::to_ne_bytes));
-    content.extend(
-        [vertices, joints, proxies, u32::MAX, u32::MAX].into_iter().flat_map(u32::to_ne_bytes),
-    );
+    let counts = [vertices, joints, proxies, u32::MAX, u32::MAX, curves];
+    content.extend(counts.into_iter().flat_map(u32::to_ne_bytes));
     call.arena.write(place, &content);
     // Other bytes are other limits; a null pointer means default limits.
     let drawn = call.faults.len();
@@ -194,6 +195,15 @@ fn joint(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_envelope_joint(envelope, joint, out, error) })
 }
 
+fn curve(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let envelope = call.envelope()?;
+    let curve = call.number(call.arena.frame.curves.len(), Argument::Curve)?;
+    let out = call.output_one(Argument::Result)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_envelope_curve(envelope, curve, out, error) })
+}
+
 fn order(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
     let (out, out_len) = call.output(call.arena.frame.pose.len(), Argument::Order)?;
@@ -213,53 +223,86 @@ fn pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 fn palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    palette_by(call, sinew_envelope_palette)
+    let (curves, curves_len) = spoilt_curves(call)?;
+    let Palette { envelope, pose, scratch, out, confidence, error } = Palette::draw(call)?;
+    let ((pose, pose_len), (scratch, scratch_len), (out, out_len)) = (pose, scratch, out);
+    // SAFETY: as above.
+    Ok(unsafe {
+        sinew_envelope_palette(
+            envelope,
+            pose,
+            pose_len,
+            curves,
+            curves_len,
+            scratch,
+            scratch_len,
+            out,
+            out_len,
+            confidence,
+            error,
+        )
+    })
 }
 
 fn rotational_palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let is_rotational = call.arena.frame.predictor == Some(Predictor::Rotational);
     call.fault_if(!is_rotational, Status::NoStage, Argument::Call);
-    palette_by(call, sinew_envelope_rotational_palette)
-}
-
-/// A function that computes a palette.
-type PaletteCall = unsafe extern "C" fn(
-    *const sinew_envelope,
-    *const sinew_matrix,
-    usize,
-    *mut f32,
-    usize,
-    *mut sinew_matrix,
-    usize,
-    *mut f32,
-    *mut sinew_error,
-) -> sinew_status;
-
-fn palette_by(call: &mut Call<'_, '_>, function: PaletteCall) -> Result<sinew_status> {
-    let one = spoilt_pose(call)?;
-    let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
-    let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
-    let p = call.arena.frame.palette.len();
-    let (out, out_len) = call.output_exact(p, p, Argument::Palette)?;
-    let (scratch, scratch_len) = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
-    let confidence =
-        if call.one_in(4)? { null_mut() } else { optional(call, Argument::Confidences)? };
-    let error = call.ready(|arena| bytes(floats(&arena.frame.palette)));
+    let Palette { envelope, pose, scratch, out, confidence, error } = Palette::draw(call)?;
+    let ((pose, pose_len), (scratch, scratch_len), (out, out_len)) = (pose, scratch, out);
     // SAFETY: as above.
     Ok(unsafe {
-        function(envelope, pose, pose_len, scratch, scratch_len, out, out_len, confidence, error)
+        sinew_envelope_rotational_palette(
+            envelope,
+            pose,
+            pose_len,
+            scratch,
+            scratch_len,
+            out,
+            out_len,
+            confidence,
+            error,
+        )
     })
+}
+
+/// Arguments of the functions that compute one palette; arrays with their lengths.
+struct Palette {
+    envelope: *const sinew_envelope,
+    pose: (*const sinew_matrix, usize),
+    scratch: (*mut f32, usize),
+    out: (*mut sinew_matrix, usize),
+    confidence: *mut f32,
+    error: *mut sinew_error,
+}
+
+impl Palette {
+    fn draw(call: &mut Call<'_, '_>) -> Result<Self> {
+        let one = spoilt_pose(call)?;
+        let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
+        let pose = call.input(one, j, Argument::Pose)?;
+        let p = call.arena.frame.palette.len();
+        let out = call.output_exact(p, p, Argument::Palette)?;
+        let scratch = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
+        let confidence =
+            if call.one_in(4)? { null_mut() } else { optional(call, Argument::Confidences)? };
+        let error = call.ready(|arena| bytes(floats(&arena.frame.palette)));
+        Ok(Self { envelope, pose, scratch, out, confidence, error })
+    }
 }
 
 fn palettes(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     call.spoil(call.arena.poses.clone())?;
+    call.spoil(call.arena.curves.clone())?;
     let envelope = call.envelope()?;
     let (j, p) = (call.arena.frame.pose.len(), call.arena.frame.palette.len());
+    let c = call.arena.frame.curves.len();
     // The number of confidences is the number of poses.
     let (confidences, n) = call.output_any(BATCH, Argument::Confidences)?;
     let n_or_more = n.min(usize::MAX / 2);
     let (poses, poses_len) =
         call.input(call.arena.poses.clone(), n_or_more.saturating_mul(j), Argument::Pose)?;
+    let (curves, curves_len) =
+        call.input(call.arena.curves.clone(), n_or_more.saturating_mul(c), Argument::Curves)?;
     let right = n_or_more.saturating_mul(p);
     let (out, out_len) = call.output_exact(BATCH * p, right, Argument::Palette)?;
     let (scratch, scratch_len) = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
@@ -270,6 +313,8 @@ fn palettes(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             envelope,
             poses,
             poses_len,
+            curves,
+            curves_len,
             scratch,
             scratch_len,
             out,

@@ -2,11 +2,13 @@
 
 use super::arena::{bytes, floats};
 use super::call::Call;
-use super::shared::{one_pose, optional, optional_input, spoilt_pose, unknown};
+use super::shared::{
+    one_curves, one_pose, optional, optional_input, spoilt_curves, spoilt_pose, unknown,
+};
 use arbitrary::Result;
 use sinew_capi::*;
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Model};
 use std::ops::Range;
 use std::ptr::{null, null_mut};
 
@@ -24,7 +26,8 @@ pub(super) fn rest_locals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
     let j = call.arena.frame.pose.len();
-    let (names, names_len) = names(call)?;
+    let own = joint_names(call.arena.file_bytes());
+    let (names, names_len) = names(call, own, j)?;
     // The root may be among the names that are not found.
     call.maybe_faulty = true;
     let (out, out_len) = call.output_exact(j, j, Argument::Joints)?;
@@ -32,6 +35,19 @@ pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_envelope_bind(envelope, names, names_len, out, out_len, bound, error) })
+}
+
+pub(super) fn bind_curves(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let envelope = call.envelope()?;
+    let c = call.arena.frame.curves.len();
+    let own = curve_names(call.arena.file_bytes());
+    let (names, names_len) = names(call, own, c)?;
+    // A curve may be missing among the names.
+    call.maybe_faulty = true;
+    let (out, out_len) = call.output_exact(c, c, Argument::Curves)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_envelope_bind_curves(envelope, names, names_len, out, out_len, error) })
 }
 
 pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
@@ -62,18 +78,24 @@ pub(super) fn gather(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 }
 
 pub(super) fn check_pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let one = one_pose(call);
-    if call.one_in(2)? && !one.is_empty() {
-        // A fault of the pose is not a fault of the call.
-        let at = one.start + 4 * call.u.choose_index(one.len() / 4)?;
-        call.arena.write(at, &call.u.arbitrary::<f32>()?.to_ne_bytes());
+    let (one, curves) = (one_pose(call), one_curves(call));
+    for place in [&one, &curves] {
+        if call.one_in(2)? && !place.is_empty() {
+            // A fault of the pose is not a fault of the call.
+            let at = place.start + 4 * call.u.choose_index(place.len() / 4)?;
+            call.arena.write(at, &call.u.arbitrary::<f32>()?.to_ne_bytes());
+        }
     }
     let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
     let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
+    let c = call.arena.frame.curves.len();
+    let (curves, curves_len) = call.input(curves, c, Argument::Curves)?;
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_check_pose(envelope, pose, pose_len, out, error) })
+    Ok(unsafe {
+        sinew_envelope_check_pose(envelope, pose, pose_len, curves, curves_len, out, error)
+    })
 }
 
 pub(super) fn take_scale(call: &mut Call<'_, '_>) -> Result<sinew_status> {
@@ -94,6 +116,7 @@ pub(super) fn palette_scale(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let one = spoilt_pose(call)?;
+    let (curves, curves_len) = spoilt_curves(call)?;
     let (level, full) = (call.u.int_in_range(0..=3)?, sinew_level::Full as u32);
     let is_level = level == full || level == sinew_level::Joints as u32;
     call.fault_if(!is_level, Status::OutOfRange, Argument::Level);
@@ -117,6 +140,8 @@ pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             level,
             pose,
             pose_len,
+            curves,
+            curves_len,
             scratch,
             scratch_len,
             out,
@@ -129,6 +154,7 @@ pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
 
 pub(super) fn joint_confidences(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let one = spoilt_pose(call)?;
+    let (curves, curves_len) = spoilt_curves(call)?;
     let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
     let is_rotational = call.arena.frame.predictor == Some(Predictor::Rotational);
     call.fault_if(is_rotational, Status::NoStage, Argument::Call);
@@ -142,6 +168,8 @@ pub(super) fn joint_confidences(call: &mut Call<'_, '_>) -> Result<sinew_status>
             envelope,
             pose,
             pose_len,
+            curves,
+            curves_len,
             scratch,
             scratch_len,
             out,
@@ -152,7 +180,8 @@ pub(super) fn joint_confidences(call: &mut Call<'_, '_>) -> Result<sinew_status>
 }
 
 pub(super) fn skeleton_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (names, len) = names(call)?;
+    let (own, j) = (joint_names(call.arena.file_bytes()), call.arena.frame.pose.len());
+    let (names, len) = names(call, own, j)?;
     let place = call.arena.poses.start;
     call.read.push(place..place + 4 * len);
     let parents = if len == 0 { null() } else { call.input_fixed(place, Argument::Joints)? };
@@ -182,16 +211,19 @@ pub(super) fn mesh_hash(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_mesh_hash(positions.cast(), len, out, error) })
 }
 
-/// Draws at most J names: names of the joints, a name with a prefix, pieces of the file, or a name
-/// at a wrong address.
-fn names(call: &mut Call<'_, '_>) -> Result<(*const sinew_name, usize)> {
-    let (place, file) = (call.arena.local.start, call.arena.file.clone());
-    let most = call.arena.frame.pose.len();
+/// Draws at most `most` names: some of `own` names of the file, a name with a prefix, pieces of the
+/// file, or a name at a wrong address.
+fn names(
+    call: &mut Call<'_, '_>,
+    own: Vec<Range<usize>>,
+    most: usize,
+) -> Result<(*const sinew_name, usize)> {
+    let (place, file) = (call.arena.names.start, call.arena.file.clone());
     let len = if call.one_in(8)? { most.min(1) } else { call.u.int_in_range(0..=most)? };
     let mut content = Vec::new();
-    let mut own = if call.one_in(2)? { joint_names(call.arena.file_bytes()) } else { Vec::new() };
+    let mut own = if call.one_in(2)? { own } else { Vec::new() };
     if len == 1 && own.len() > 1 {
-        // One joint alone, which may be the root.
+        // One name alone, which may be that of the root.
         let one = call.u.choose_index(own.len())?;
         own.swap(0, one);
     }
@@ -235,9 +267,22 @@ fn prefixed(call: &mut Call<'_, '_>, name: Range<usize>) -> (usize, usize) {
 
 /// Finds the places of the joints' names in a file.
 fn joint_names(file: &[u8]) -> Vec<Range<usize>> {
+    places(file, |envelope| {
+        (0..envelope.joint_len()).filter_map(|joint| envelope.joint_name(joint)).collect()
+    })
+}
+
+/// Finds the places of the curves' names in a file.
+fn curve_names(file: &[u8]) -> Vec<Range<usize>> {
+    places(file, |envelope| {
+        (0..envelope.curve_len()).filter_map(|curve| envelope.curve_name(curve)).collect()
+    })
+}
+
+/// Finds the places of some names of the first envelope in a file.
+fn places(file: &[u8], names: impl FnOnce(Envelope<'_>) -> Vec<&str>) -> Vec<Range<usize>> {
     let Ok(model) = Model::from_bytes(file) else { return Vec::new() };
     let Some(envelope) = model.envelope() else { return Vec::new() };
-    let names = (0..envelope.joint_len()).filter_map(|joint| envelope.joint_name(joint));
     let start = |name: &str| name.as_ptr().addr() - file.as_ptr().addr();
-    names.map(|name| start(name)..start(name) + name.len()).collect()
+    names(envelope).into_iter().map(|name| start(name)..start(name) + name.len()).collect()
 }

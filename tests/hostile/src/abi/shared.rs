@@ -30,6 +30,19 @@ pub(super) fn spoilt_pose(call: &mut Call<'_, '_>) -> Result<Range<usize>> {
     Ok(one)
 }
 
+/// Returns the place of the curves of the first pose.
+pub(super) fn one_curves(call: &Call<'_, '_>) -> Range<usize> {
+    let Range { start, end } = call.arena.curves;
+    start..start + (end - start) / BATCH
+}
+
+/// Draws the curves of the first pose, after possibly making one of them invalid.
+pub(super) fn spoilt_curves(call: &mut Call<'_, '_>) -> Result<(*const f32, usize)> {
+    let one = one_curves(call);
+    call.spoil(one.clone())?;
+    call.input(one, call.arena.frame.curves.len(), Argument::Curves)
+}
+
 /// Draws the requested part. Its name is null, the part's name, or bytes that name no part; its
 /// index is 0 or too large.
 pub(super) fn wanted(

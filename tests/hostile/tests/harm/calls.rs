@@ -3,9 +3,12 @@
 use arbitrary::Unstructured;
 use hostile::abi::{function_names, one_call, promises};
 use hostile::recipe;
-use models::{FilterContent, GOLDEN, KernelContent, Pieces, ViewsContent};
+use models::{
+    FilterContent, GOLDEN, GOLDEN_STRETCH, JOINTLESS, KernelContent, Pieces, ViewsContent,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::kernel::Kernel;
 use sinew_runtime::views::Layer;
@@ -35,8 +38,9 @@ fn every_status_in_the_header_occurs() {
     empty.keep_vertices(0);
     bare.sections.retain(|content| content.kind != SectionKind::RestTangents.number());
     loose.loosen();
-    let mut files = GOLDEN.map(<[u8]>::to_vec).to_vec();
-    files.extend([empty, bare, loose, Pieces::face()].map(|pieces| pieces.bytes()));
+    let mut files: Vec<_> = GOLDEN.into_iter().chain(GOLDEN_STRETCH).map(<[u8]>::to_vec).collect();
+    let jointless = Pieces::sample(Predictor::Kernel, JOINTLESS);
+    files.extend([empty, bare, loose, jointless, Pieces::face()].map(|pieces| pieces.bytes()));
     let kernels = [KernelContent::every(Kernel::Quintic), KernelContent::servo()];
     files.extend(kernels.map(|content| Pieces::kernels(&[content]).bytes()));
     files.extend(Pieces::viewed().into_iter().chain([turned()]).map(|pieces| pieces.bytes()));

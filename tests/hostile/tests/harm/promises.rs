@@ -1,8 +1,8 @@
 //! Tests small files that state large counts, and files with the largest numbers.
 
 use hostile::evaluate::evaluate_pose;
-use models::{GOLDEN, Pieces, group_row};
-use sinew_runtime::envelope::{GroupConfidence, GroupRow, KEY_WORDS, Predictor};
+use models::{GOLDEN, GOLDEN_STRETCH, Pieces, group_row};
+use sinew_runtime::envelope::{GroupConfidence, GroupRow, KEY_WORDS};
 use sinew_runtime::format::{CORRECTION_MAX, MAGNITUDE_MAX, SectionKind, TRAVEL_MAX};
 use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
 
@@ -15,6 +15,7 @@ const UNLIMITED: Limits = Limits {
     proxies: u32::MAX,
     influences: u32::MAX,
     shapes: u32::MAX,
+    curves: u32::MAX,
 };
 
 /// Loads a golden in which one count is changed, and returns the refusal.
@@ -40,11 +41,14 @@ fn counted_content_must_exist_before_anything_is_read() {
         let found = (error.kind, error.section, error.index, error.expected, error.found);
         assert_eq!(found, (Kind::Limit, Some(section), index, most, u32::MAX), "{error}");
     };
-    for (golden, predictor) in GOLDEN.iter().zip(Predictor::ALL) {
-        // Counts: predictor, J, P, root, G, floats of the correction.
+    for golden in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
+        let model = Model::from_bytes(golden).unwrap();
+        let counts = model.envelope().unwrap().counts();
+        let (predictor, curves) = (counts.predictor, u64::from(counts.curve_len));
+        // Counts: predictor, J, P, root, G, floats of the correction, whether joints stretch, C.
         let envelope = |at, count| promised(golden, EnvelopeCounts, at, count);
         limit(EnvelopeCounts, 1, 65_535, envelope(1, u32::MAX));
-        length(SectionKind::Names, 4 * 65_536, envelope(1, 65_535));
+        length(SectionKind::Names, 4 * (65_536 + curves), envelope(1, 65_535));
         limit(EnvelopeCounts, 2, 65_535, envelope(2, u32::MAX));
         if predictor.reconstructs() {
             length(SectionKind::Keys, 220 * 65_535, envelope(2, 65_535));
@@ -53,6 +57,13 @@ fn counted_content_must_exist_before_anything_is_read() {
         limit(EnvelopeCounts, 4, groups, envelope(4, u32::MAX));
         if predictor.corrects() {
             length(SectionKind::Groups, 32 * 5, envelope(4, 5));
+        }
+        limit(EnvelopeCounts, 6, 1, envelope(6, u32::MAX));
+        let most = if predictor.corrects() { 65_535 } else { 0 };
+        limit(EnvelopeCounts, 7, most, envelope(7, u32::MAX));
+        if predictor.corrects() {
+            // The name of the part, 5 joints, and the curves.
+            length(SectionKind::Names, 4 * (6 + 65_535), envelope(7, 65_535));
         }
         // Fields that are not counts have their own checks.
         for at in [3, 5] {
@@ -64,7 +75,7 @@ fn counted_content_must_exist_before_anything_is_read() {
         }
     }
     // V, K, the envelope, R. The sections of the envelope are valid here.
-    for golden in GOLDEN {
+    for golden in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let skin = |at, count| {
             let mut pieces = Pieces::of(golden).unwrap();
             pieces.set_word(SkinCounts, at, count);
@@ -130,6 +141,9 @@ fn largest(golden: &[u8]) -> Vec<u8> {
         SectionKind::C2,
         SectionKind::PoseRanges,
         SectionKind::Origins,
+        SectionKind::StretchRanges,
+        SectionKind::KeyStretches,
+        SectionKind::CurveRanges,
     ] {
         if let Some(content) = pieces.find(kind) {
             fill(content, MAGNITUDE_MAX);
@@ -166,27 +180,39 @@ fn largest(golden: &[u8]) -> Vec<u8> {
     pieces.bytes()
 }
 
-/// Makes half turns about z, with each joint as far away as a pose may go.
-fn far(joint_len: usize, travel: f32) -> Vec<Matrix3x4> {
+/// Makes half turns about z, with each joint as far away as a pose may go, and scaled.
+fn far(joint_len: usize, travel: f32, scale: f32) -> Vec<Matrix3x4> {
     let transform = |joint: usize| {
         let sign = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };
-        [[sign, 0.0, 0.0, sign * travel], [0.0, sign, 0.0, travel], [0.0, 0.0, 1.0, -sign * travel]]
+        let turn = sign * scale;
+        [
+            [turn, 0.0, 0.0, sign * travel],
+            [0.0, turn, 0.0, travel],
+            [0.0, 0.0, scale, -sign * travel],
+        ]
     };
     (0..joint_len).map(transform).collect()
 }
 
 #[test]
 fn the_largest_numbers_evaluate_to_finite_values() {
-    for golden in GOLDEN {
+    for golden in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let file = largest(golden);
         let model = Model::from_bytes(file).unwrap();
         let envelope = model.envelope().unwrap();
-        evaluate_pose(&model, &envelope, 0, &far(envelope.joint_len(), TRAVEL_MAX));
+        let scales: &[f32] = if envelope.stretches() { &[4.0, 1.0, 0.25] } else { &[1.0] };
+        for (number, scale) in scales.iter().enumerate() {
+            let pose = far(envelope.joint_len(), TRAVEL_MAX, *scale);
+            let curves = vec![TRAVEL_MAX; envelope.curve_len()];
+            evaluate_pose(&model, &envelope, number, &pose, &curves);
+        }
         if envelope.predictor().corrects() {
-            let pose = far(envelope.joint_len(), TRAVEL_MAX);
+            let pose = far(envelope.joint_len(), TRAVEL_MAX, scales[0]);
+            // The only value in the range of a curve.
+            let curves = vec![MAGNITUDE_MAX; envelope.curve_len()];
             let mut scratch = vec![0.0; envelope.scratch_len()];
             let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
-            let confidence = envelope.palette(&pose, &mut scratch, &mut palette);
+            let confidence = envelope.palette(&pose, &curves, &mut scratch, &mut palette);
             assert!(confidence.unwrap() > 0.0, "the kernel maps have taken part");
             let most =
                 palette.as_flattened().as_flattened().iter().fold(0.0f32, |a, x| a.max(x.abs()));
@@ -200,8 +226,8 @@ fn the_check_sees_what_is_not_finite() {
     let file = largest(GOLDEN[0]);
     let model = Model::from_bytes(file).unwrap();
     let envelope = model.envelope().unwrap();
-    let pose = far(envelope.joint_len(), 1e25);
-    let seen = std::panic::catch_unwind(|| evaluate_pose(&model, &envelope, 0, &pose));
+    let pose = far(envelope.joint_len(), 1e25, 1.0);
+    let seen = std::panic::catch_unwind(|| evaluate_pose(&model, &envelope, 0, &pose, &[]));
     let message = seen.unwrap_err();
     assert!(message.downcast_ref::<String>().unwrap().contains("is not finite"));
 }

@@ -31,7 +31,7 @@ fn the_cpp_of_the_readme_has_the_runtimes_numbers() {
         // The rest joints of a golden file are in a row along x, without rotation.
         local.last_mut().unwrap().rotation = [0.0, 0.0, sin, cos];
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        let confidence = envelope.palette(&pose, &[], &mut scratch, &mut palette).unwrap();
         skin.skin_positions(&palette, &mut positions).unwrap();
         let [x, y, z] = *positions.last().unwrap();
         writeln!(

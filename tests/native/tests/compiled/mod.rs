@@ -71,6 +71,7 @@ fn printed(file: &[u8], poses: usize) -> String {
     let (v, j, p) = (skin.vertex_len(), envelope.joint_len(), envelope.palette_len());
     let stride = if skin.has_tangents() { 10 } else { 6 };
     let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut curves = vec![0.0; envelope.curve_len()];
     let (mut pose, mut palette) = (vec![[[0.0; 4]; 3]; j], vec![[[0.0; 4]; 3]; p]);
     let mut vertices = vec![0.0; stride * v];
     let (mut random, mut bits, mut least) = (Rng(2007), 0xcbf2_9ce4_8422_2325, 1.0f32);
@@ -82,8 +83,9 @@ fn printed(file: &[u8], poses: usize) -> String {
             local
         };
         let local: Vec<_> = envelope.rest_locals().map(turned).collect();
+        curves.iter_mut().for_each(|curve| *curve = random.unit() * turn);
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+        let confidence = envelope.palette(&pose, &curves, &mut scratch, &mut palette).unwrap();
         let floats = cells(&mut vertices);
         let output = |first: usize| Some(Output { floats: &floats[first..], stride });
         SkinJob {

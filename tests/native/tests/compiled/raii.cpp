@@ -62,13 +62,14 @@ struct Actor {
     sinew::Envelope envelope;
     sinew::Skin skin;
     std::vector<sinew_matrix> pose, palette;
-    std::vector<float> scratch, positions;
+    std::vector<float> curves, scratch, positions;
 
     explicit Actor(const sinew::Model &model)
     {
         EXPECT(!envelope.open(model));
         EXPECT(!skin.open(model));
         pose = rest(envelope.info().joint_len);
+        curves.resize(envelope.info().curve_len);
         palette.resize(envelope.info().palette_len);
         scratch.resize(envelope.info().scratch_len);
         positions.resize(3 * skin.info().vertex_len);
@@ -83,7 +84,8 @@ struct Actor {
         const auto came = [&](sinew_status found, sinew_argument argument) {
             all = all && found == status && (found == SINEW_STATUS_OK || error.argument == argument);
         };
-        const std::size_t j = pose.size(), p = palette.size(), v = skin.info().vertex_len;
+        const std::size_t j = pose.size(), c = curves.size(), p = palette.size();
+        const std::size_t v = skin.info().vertex_len;
         const sinew_envelope *e = envelope.get();
         const sinew_skin *s = skin.get();
         std::vector<sinew_local_transform> local(j, sinew_local_transform{{0, 0, 0, 1}, {0, 0, 0}});
@@ -98,11 +100,11 @@ struct Actor {
         came(sinew_envelope_joint(e, 0, &joint, &error), of_envelope);
         came(sinew_envelope_order(e, order.data(), j, &error), of_envelope);
         came(sinew_envelope_pose(e, local.data(), j, out_pose.data(), j, &error), of_envelope);
-        came(sinew_envelope_palette(e, pose.data(), j, scratch.data(), scratch.size(),
-                                    palette.data(), p, &confidence, &error),
+        came(sinew_envelope_palette(e, pose.data(), j, curves.data(), c, scratch.data(),
+                                    scratch.size(), palette.data(), p, &confidence, &error),
              of_envelope);
-        came(sinew_envelope_palettes(e, pose.data(), j, scratch.data(), scratch.size(),
-                                     palette.data(), p, &confidence, 1, &error),
+        came(sinew_envelope_palettes(e, pose.data(), j, curves.data(), c, scratch.data(),
+                                     scratch.size(), palette.data(), p, &confidence, 1, &error),
              of_envelope);
         came(sinew_skin_describe(s, &mesh, &error), of_skin);
         came(sinew_skin_rest_positions(s, 0, v, positions.data(), 3 * v, &error), of_skin);
@@ -226,6 +228,18 @@ int main(int, char **argv)
     EXPECT(not_finite.error.index == pose.size() - 1);
     EXPECT(std::strcmp(not_finite.argument(), "pose") == 0);
     EXPECT(character.confidence() == 1.0f);
+    pose.back().rows[0][0] = 1.0f;
+    const std::size_t curve_len = copied.info().curve_len;
+    const sinew::Failure too_many =
+        character.pose_matrices(pose, std::vector<float>(curve_len + 1), SINEW_LEVEL_JOINTS);
+    EXPECT(too_many.status == SINEW_STATUS_LENGTH);
+    EXPECT(std::strcmp(too_many.argument(), "curves") == 0);
+    sinew_curve curve;
+    EXPECT(copied.curve(curve_len, curve).status == SINEW_STATUS_OUT_OF_RANGE);
+    std::vector<std::uint32_t> map;
+    const sinew_status unbound = curve_len == 0 ? SINEW_STATUS_OK : SINEW_STATUS_NO_CURVE;
+    EXPECT(copied.bind_curves({}, map).status == unbound);
+    EXPECT(map.size() == curve_len);
 
     // A temporary vector of bytes cannot be borrowed, and no part can point to a temporary envelope or model.
     static_assert(!std::is_constructible_v<sinew::Character, sinew::Envelope>);

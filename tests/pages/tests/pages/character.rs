@@ -76,8 +76,8 @@ fn frames_of_a_larger_skeleton_are_gathered_by_name() {
     skeleton::pose(&envelope, &map, &world, &TO_MODEL, &mut pose).unwrap();
     assert_eq!(pose[folded], pose[envelope.parent(folded).unwrap()]);
     // Distinguishes the most common faults of engines.
-    let fault = |pose: &[Matrix3x4]| envelope.check_pose(pose).unwrap_err().kind;
-    assert!(envelope.check_pose(&expected).is_ok());
+    let fault = |pose: &[Matrix3x4]| envelope.check_pose(pose, &[]).unwrap_err().kind;
+    assert!(envelope.check_pose(&expected, &[]).is_ok());
     let mut converted = arm::EXAMPLES.clone();
     converted.convert_to(&sinew_runtime::format::Space::UNREAL).unwrap();
     assert_eq!(fault(&arm::pose(&converted, 35)), PoseFaultKind::Handedness);
@@ -111,7 +111,7 @@ fn a_scaled_actor_is_wrong_and_certain_until_its_scale_is_taken_out() {
         let off = farthest(&skinned(&model, &wrong), &expected, size);
         let mut scratch = vec![0.0; envelope.scratch_len()];
         let mut right = vec![Matrix3x4::default(); envelope.palette_len()];
-        scale::palette(&envelope, &mut scaled, &mut scratch, &mut right).unwrap();
+        scale::palette(&envelope, &mut scaled, &[], &mut scratch, &mut right).unwrap();
         let left = farthest(&skinned(&model, &right), &expected, size);
         println!(
             "scale: {predictor:?} {off:.5} of the diagonal off, confidence {confidence:.3}; left {left:.1e}"
@@ -130,10 +130,10 @@ fn joints_suffice_where_their_error_is_invisible() {
     let mut found = vec![Matrix3x4::default(); envelope.palette_len()];
     let certificate = envelope.certificate();
     assert!(certificate.base_training_rms > 2.0 * certificate.training_rms);
-    seen::palette_seen(&envelope, &pose, 0.0, &mut scratch, &mut found).unwrap();
+    seen::palette_seen(&envelope, (&pose, &[]), 0.0, &mut scratch, &mut found).unwrap();
     assert_eq!(found, full);
     let seen = 2.0 * certificate.base_training_rms;
-    seen::palette_seen(&envelope, &pose, seen, &mut scratch, &mut found).unwrap();
+    seen::palette_seen(&envelope, (&pose, &[]), seen, &mut scratch, &mut found).unwrap();
     let off = farthest(&skinned(&model, &found), &skinned(&model, &full), certificate.diagonal);
     assert!(off > 0.0 && off < 0.2, "{off}");
 }

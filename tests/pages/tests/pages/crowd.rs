@@ -42,8 +42,10 @@ fn a_crowd_is_the_same_on_one_thread_and_on_many_and_those_behind_are_culled() {
     let mut confidences = [[0.0; CROWD]; 2];
     let [one, many] = &mut palettes;
     let mut scratch = vec![0.0; envelope.scratch_len()];
-    crowd::crowd(&envelope, &poses(), &mut scratch, one, &mut confidences[0]).unwrap();
-    crowd_on_threads::crowd_on_threads(&envelope, &poses(), many, &mut confidences[1]).unwrap();
+    let poses = poses();
+    crowd::crowd(&envelope, (&poses, &[]), &mut scratch, one, &mut confidences[0]).unwrap();
+    crowd_on_threads::crowd_on_threads(&envelope, (&poses, &[]), many, &mut confidences[1])
+        .unwrap();
     assert_eq!(one, many);
     assert_eq!(confidences[0], confidences[1]);
     // A camera that sees boxes that reach beyond a wall: half of the boxes do.

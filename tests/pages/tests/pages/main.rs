@@ -4,6 +4,7 @@
 mod axes;
 mod character;
 mod crowd;
+mod curves;
 mod links;
 mod math;
 mod shown;

@@ -38,11 +38,20 @@ pub(crate) fn rest(skin: &Skin<'_>) -> Vec<[f32; 3]> {
     (0..skin.vertex_len()).map(|v| skin.rest_position(v).unwrap()).collect()
 }
 
-/// Predicts a palette.
+/// Predicts a palette of a model without curves.
 pub(crate) fn palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> (Vec<Matrix3x4>, f32) {
+    curved_palette(envelope, pose, &[])
+}
+
+/// Predicts a palette.
+pub(crate) fn curved_palette(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    curves: &[f32],
+) -> (Vec<Matrix3x4>, f32) {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    let confidence = envelope.palette(pose, &mut scratch, &mut palette).unwrap();
+    let confidence = envelope.palette(pose, curves, &mut scratch, &mut palette).unwrap();
     (palette, confidence)
 }
 

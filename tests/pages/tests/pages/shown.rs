@@ -12,6 +12,7 @@ macro_rules! blocks {
 blocks! {
     mesh: "your_mesh_0",
     skeleton: "your_skeleton_0",
+    curves: "your_curves_0",
     axes: "your_axes_0",
     scale: "scale_0",
     shader: "your_shader_0",

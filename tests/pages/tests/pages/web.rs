@@ -94,7 +94,7 @@ fn played(model: &Model<&[u8]>) -> (f32, [f32; 6], u32) {
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let pose = arm::pose(&arm::EXAMPLES, PLAYED);
-    let confidence = envelope.palette(&pose, &mut scratch, &mut palette).unwrap();
+    let confidence = envelope.palette(&pose, &[], &mut scratch, &mut palette).unwrap();
     let mut vertices = vec![0.0; 6 * skin.vertex_len()];
     let floats = cells(&mut vertices);
     SkinJob {
@@ -161,6 +161,7 @@ fn opened(browser: &str, name: &str, module: &[u8]) {
     assert!(most < 1e-4 * size, "{found:?} {expected:?}");
     let from_rest = expected.iter().zip(&at_rest.1).map(apart).fold(0.0, f32::max);
     assert!(from_rest > RAISED * size, "the clip moves it: {expected:?}");
+    assert_eq!(line("curves"), "curves 0", "{name}: the arm has none");
     assert_eq!(line("refused"), "refused -1 0 true", "{name}");
     assert_eq!(line("closed"), "closed NaN", "{name}");
     let rate: u32 = line("rate").split(' ').nth(1).unwrap().parse().unwrap();

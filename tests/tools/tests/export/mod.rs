@@ -77,7 +77,7 @@ fn pose(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
 fn runtime_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    envelope.palette(pose, &mut scratch, &mut palette).unwrap();
+    envelope.palette(pose, &[], &mut scratch, &mut palette).unwrap();
     palette
 }
 

@@ -42,8 +42,10 @@ impl Image {
             Self::Cost => Some("cortex-m"),
             Self::CostServo => Some("cortex-m,kernel"),
             Self::CostNormals => Some("cortex-m,tangent-coefficients"),
-            Self::Bits => Some("filter,kernel,prior,shapes,tangent-coefficients,views"),
-            Self::Proof => Some("filter,kernel,prior,shapes,tangent-coefficients"),
+            Self::Bits => {
+                Some("curves,filter,kernel,prior,shapes,stretch,tangent-coefficients,views")
+            }
+            Self::Proof => Some("curves,filter,kernel,prior,shapes,stretch,tangent-coefficients"),
             Self::Servo | Self::SizeServo => Some("kernel"),
             Self::Sensor | Self::SizeSensor => Some("filter"),
             Self::SizeNormals => Some("tangent-coefficients"),
@@ -179,7 +181,7 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
         .args([
             "--bins",
             "--features",
-            "control,cortex-m,filter,kernel,prior,shapes,tangent-coefficients,views",
+            "control,cortex-m,curves,filter,kernel,prior,shapes,stretch,tangent-coefficients,views",
         ])
         .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))

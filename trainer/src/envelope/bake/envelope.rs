@@ -3,10 +3,10 @@
 use crate::Error;
 use crate::bake::Part;
 use crate::bake::sections::{blocks, check_len, check_shape, floats, names, narrow, words};
-use crate::envelope::model::{EnvelopeModel, Group, Input, Key, Reconstruction};
+use crate::envelope::model::{EnvelopeModel, FeatureOrder, Group, Input, Key, Reconstruction};
 use crate::examples::{Matrix3x4, Skeleton};
 use faer::Col;
-use nalgebra::{Matrix4, SMatrix};
+use nalgebra::{Matrix4, Matrix6, SMatrix};
 use sinew_runtime::envelope::{
     ENVELOPE_SECTIONS, EnvelopeCounts, GroupConfidence, GroupRow, NO_JOINT,
 };
@@ -18,12 +18,15 @@ impl EnvelopeModel {
     /// # Errors
     /// Those of [`FileModel::bake`](crate::envelope::model::FileModel::bake) that concern an envelope.
     pub(super) fn part(&self) -> Result<Part, Error> {
-        let (group_rows, corrections, scratch_len) = group_sections(&self.groups)?;
+        let (group_rows, corrections, scratch_len) = self.group_sections()?;
         let counts = self.counts(scratch_len)?;
         let matrices = self.reconstruction.as_ref();
         let matrices = matrices.map(|r| (blocks(r.c1.as_ref()), blocks(r.c2.as_ref())));
         let (c1, c2) = matrices.unwrap_or_default();
-        let all_names = [&self.name].into_iter().chain(&self.skeleton.names);
+        let curve_names = self.curves.iter().map(|curve| &curve.name);
+        let all_names = [&self.name].into_iter().chain(&self.skeleton.names).chain(curve_names);
+        let stretch = self.keys().iter().flat_map(|key| rows(&stretch_of(key))).collect();
+        let curve_ranges: Vec<f64> = self.curves.iter().flat_map(|curve| curve.range).collect();
         let contents = [
             (SectionKind::EnvelopeCounts, words(&counts.words())),
             (SectionKind::Certificate, floats(&self.certificate.figures().map(f64::from))),
@@ -37,6 +40,9 @@ impl EnvelopeModel {
             (SectionKind::Origins, origins(&self.skeleton.rest)),
             (SectionKind::Groups, group_rows),
             (SectionKind::Corrections, corrections),
+            (SectionKind::StretchRanges, floats(self.stretch_ranges.as_deref().unwrap_or(&[]))),
+            (SectionKind::KeyStretches, stretch),
+            (SectionKind::CurveRanges, floats(&curve_ranges)),
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(ENVELOPE_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind));
@@ -51,6 +57,7 @@ impl EnvelopeModel {
         check_len("rest frames", j, self.skeleton.rest.len())?;
         check_len("pose ranges", j, self.pose_ranges.len())?;
         check_len("pose gaps", j, self.pose_gaps.len())?;
+        check_len("stretch ranges", j, self.stretch_ranges.as_ref().map_or(j, Vec::len))?;
         if let Some(Reconstruction { c1, c2, .. }) = &self.reconstruction {
             check_shape(["rows of c1", "columns of c1"], [4 * p, 3 * p], c1)?;
             check_shape(["rows of c2", "columns of c2"], [4 * p, 4 * j], c2)?;
@@ -62,6 +69,8 @@ impl EnvelopeModel {
             root: narrow("root", self.skeleton.root())?,
             group_len: narrow("groups", self.groups.len())?,
             correction_len: narrow("scratch", correction_len)?,
+            stretches: self.stretch_ranges.is_some(),
+            curve_len: narrow("curves", self.curves.len())?,
         })
     }
 }
@@ -69,7 +78,7 @@ impl EnvelopeModel {
 /// Writes parents, the evaluation order (breadth first, then by index), and the inverse of that order.
 fn hierarchy(skeleton: &Skeleton) -> Result<Vec<u8>, Error> {
     let (parents, root) = (&skeleton.parents, skeleton.root());
-    let mut order = Vec::from([root]);
+    let mut order: Vec<usize> = (0..parents.len()).filter(|&joint| joint == root).collect();
     let mut next = 0;
     while let Some(&parent) = order.get(next) {
         order.extend((0..parents.len()).filter(|&j| parents[j] == Some(parent) && j != root));
@@ -118,9 +127,14 @@ fn keys(keys: &[Key]) -> Result<Vec<u8>, Error> {
         out.extend(joint_number(key.residual.map(|(joint, _)| joint))?);
         out.extend(rows(&key.twist));
         out.extend(rows(&key.residual.map(|(_, twist)| twist).unwrap_or_default()));
-        out.extend(rows(&key.shear));
+        out.extend(rows(&key.shear.fixed_columns::<6>(0).into_owned()));
     }
     Ok(out)
+}
+
+/// Returns the part of a key's shear that follows the strain.
+fn stretch_of(key: &Key) -> Matrix6<f64> {
+    key.shear.fixed_columns::<6>(6).into_owned()
 }
 
 /// Writes a matrix row by row.
@@ -133,31 +147,35 @@ fn origins(rest: &[Matrix3x4]) -> Vec<u8> {
     floats(&rest.iter().flat_map(|rows| rows.map(|row| row[3])).collect::<Vec<_>>())
 }
 
-/// Writes the sections `groups` and `corrections`: all groups and their kernel maps. Also returns the length of their
-/// scratch.
-fn group_sections(groups: &[Group]) -> Result<(Vec<u8>, Vec<u8>, usize), Error> {
-    let (mut rows, mut corrections) = (Vec::new(), Vec::new());
-    let (mut proxies, mut scratch_len) = (0, 0);
-    for group in groups {
-        check_len("helpers before a group", proxies, group.proxies.start)?;
-        proxies = group.proxies.end;
-        let row = group.row(corrections.len() / 4)?;
-        group.check()?;
-        scratch_len = scratch_len.max(row.scratch_len());
-        rows.extend(row.to_bytes());
-        corrections.extend(group.words()?);
+impl EnvelopeModel {
+    /// Writes the sections `groups` and `corrections`: all groups and their kernel maps. Also returns the length of
+    /// their scratch.
+    fn group_sections(&self) -> Result<(Vec<u8>, Vec<u8>, usize), Error> {
+        let (mut rows, mut corrections) = (Vec::new(), Vec::new());
+        let (mut proxies, mut scratch_len) = (0, 0);
+        for group in &self.groups {
+            check_len("helpers before a group", proxies, group.proxies.start)?;
+            proxies = group.proxies.end;
+            let joint = if self.joint_len() > 0 { Some(group.joint) } else { None };
+            let row = group.row(joint, corrections.len() / 4)?;
+            group.check()?;
+            scratch_len = scratch_len.max(row.scratch_len());
+            rows.extend(row.to_bytes());
+            corrections.extend(group.words(self.feature_order())?);
+        }
+        Ok((rows, corrections, scratch_len))
     }
-    Ok((rows, corrections, scratch_len))
 }
 
 impl Group {
     /// Returns the row of the group.
     ///
+    /// - `joint`: its dominant joint; `None` if the envelope has no joint.
     /// - `offset`: of its words in the section `corrections`.
-    fn row(&self, offset: usize) -> Result<GroupRow, Error> {
+    fn row(&self, joint: Option<usize>, offset: usize) -> Result<GroupRow, Error> {
         let confidence = self.map.confidence;
         Ok(GroupRow {
-            joint: narrow("joint of a group", self.joint)?,
+            joint: joint.map_or(Ok(NO_JOINT), |joint| narrow("joint of a group", joint))?,
             kernel: self.map.kernel.number(),
             certainty_len: narrow("certainty values of a group", confidence.len)?,
             input_len: narrow("inputs of a group", self.inputs.len())?,
@@ -184,11 +202,14 @@ impl Group {
     }
 
     /// Writes the arrays of the group, each padded to blocks.
-    fn words(&self) -> Result<Vec<u8>, Error> {
+    ///
+    /// - `order`: of the features.
+    fn words(&self, order: FeatureOrder) -> Result<Vec<u8>, Error> {
         let d = self.inputs.len();
         let mut out = Vec::new();
         for &Input { feature, .. } in &self.inputs {
-            out.extend(narrow::<u32>("feature of a group", feature)?.to_le_bytes());
+            let index = order.index(feature);
+            out.extend(narrow::<u32>("feature of a group", index)?.to_le_bytes());
         }
         out.resize(4 * d.next_multiple_of(8), 0);
         let column = |values: Vec<f64>| blocks(Col::from_iter(values).as_mat());

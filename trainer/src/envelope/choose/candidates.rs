@@ -98,7 +98,8 @@ mod tests {
         };
         assert_eq!(chosen(&[(1e-3, 300), (1.01e-3, 200), (1.03e-3, 100)]), Some(1));
         // Both errors are invisible.
-        assert_eq!(chosen(&[(1e-5, 300), (9e-5, 200)]), Some(1));
+        assert_eq!(chosen(&[(1e-5, 300), (2.5e-5, 200)]), Some(1));
+        assert_eq!(chosen(&[(1e-5, 300), (3e-5, 200)]), Some(0));
         assert_eq!(chosen(&[]), None);
     }
 }

@@ -44,7 +44,8 @@ pub fn regions(residuals: Residuals<'_>, poses: &[usize]) -> Vec<Region> {
     let features = Features::of(training);
     let own = |joint: usize| {
         let skin: Vec<usize> = skins[joint].iter().copied().step_by(stride).collect();
-        let inputs = features.inputs(&training.poses, &near(features.parents, joint, HOPS));
+        let joints = features.inputs(&training.poses, &near(features.parents, joint, HOPS));
+        let inputs = [joints, features.curves(&training.poses)].concat();
         let all = features.evaluate(&training.poses, &inputs);
         let inputs = Mat::from_fn(all.nrows(), poses.len(), |r, i| all[(r, poses[i])]);
         let inputs = Inputs::new(inputs)?;

@@ -2,13 +2,14 @@
 
 use crate::envelope::lbs::poses::Poses;
 use crate::envelope::lbs::training::Training;
-use crate::envelope::model::Input;
+use crate::envelope::model::{Feature, Input};
 use crate::numeric::so3;
 use crate::settings::Settings;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
+use sinew_runtime::envelope::STRAIN_LEN;
 
-/// Smallest RMS spread of a rotation entry that becomes an input.
+/// Smallest RMS spread of a curve, or of an entry of a rotation or of a strain, that becomes an input.
 const CONSTANT: f64 = 1e-5;
 
 /// Rest geometry of the joints, for computing features.
@@ -31,28 +32,44 @@ impl<'a> Features<'a> {
 
     /// Lists the features of some joints that vary over the poses.
     pub fn inputs(&self, poses: &Poses, joints: &[usize]) -> Vec<Input> {
-        joints
-            .iter()
-            .flat_map(|&joint| {
-                let features: Vec<_> =
-                    (0..poses.len()).map(|i| self.feature(poses, i, joint)).collect();
-                let spread = |entry: usize| {
-                    let n = features.len().max(1) as f64;
-                    let mean = features.iter().map(|f| f[entry]).sum::<f64>() / n;
-                    (features.iter().map(|f| (f[entry] - mean).powi(2)).sum::<f64>() / n).sqrt()
+        let Settings { displacement, displacement_min, strain, .. } = *self.settings;
+        let mut inputs = Vec::new();
+        for &joint in joints {
+            let entries: Vec<_> =
+                (0..poses.len()).map(|i| self.joint_features(poses, i, joint)).collect();
+            let spread = |entry: usize| spread(entries.iter().map(|all| all[entry]));
+            let moves = [3, 7, 11].map(|entry| displacement * spread(entry)).into_iter();
+            let moves = moves.fold(0.0, f64::max) > displacement_min;
+            let of_joint = (0..12).filter_map(|entry| {
+                let feature = Feature::Joint { joint, entry };
+                let (varies, weight) = match feature.is_length() {
+                    true => (moves, displacement),
+                    false => (spread(entry) > CONSTANT, 1.0),
                 };
-                let moves =
-                    [3, 7, 11].map(|entry| self.settings.displacement * spread(entry)).into_iter();
-                let moves = moves.fold(0.0, f64::max) > self.settings.displacement_min;
-                let entries: Vec<_> = (0..12)
-                    .filter(|&entry| if entry % 4 == 3 { moves } else { spread(entry) > CONSTANT })
-                    .collect();
-                entries.into_iter().map(move |entry| Input {
-                    feature: 12 * joint + entry,
-                    weight: if entry % 4 == 3 { self.settings.displacement } else { 1.0 },
-                })
-            })
-            .collect()
+                varies.then_some(Input { feature, weight })
+            });
+            inputs.extend(of_joint);
+            if poses.stretch() {
+                let of_strain =
+                    |entry: usize| (0..poses.len()).map(move |i| poses.strain(i, joint)[entry]);
+                let varying =
+                    (0..STRAIN_LEN).filter(|&entry| self::spread(of_strain(entry)) > CONSTANT);
+                let input =
+                    |entry| Input { feature: Feature::Strain { joint, entry }, weight: strain };
+                inputs.extend(varying.map(input));
+            }
+        }
+        inputs
+    }
+
+    /// Lists the curves that vary over the poses, weighted so that all have one spread.
+    pub fn curves(&self, poses: &Poses) -> Vec<Input> {
+        let input = |curve: usize| {
+            let spread = spread((0..poses.len()).map(|i| poses.curves(i)[curve]));
+            let (feature, weight) = (Feature::Curve(curve), self.settings.curve / spread);
+            (spread > CONSTANT).then_some(Input { feature, weight })
+        };
+        (0..poses.curve_len()).filter_map(input).collect()
     }
 
     /// Evaluates inputs in all poses, d x n.
@@ -61,31 +78,39 @@ impl<'a> Features<'a> {
         for pose in 0..poses.len() {
             let mut last = None;
             for (row, input) in inputs.iter().enumerate() {
-                let joint = input.feature / 12;
-                let feature = match last {
-                    Some((known, feature)) if known == joint => feature,
-                    _ => self.feature(poses, pose, joint),
+                let value = match input.feature {
+                    Feature::Curve(curve) => poses.curves(pose)[curve],
+                    Feature::Strain { joint, entry } => poses.strain(pose, joint)[entry],
+                    Feature::Joint { joint, entry } => {
+                        let known = last.filter(|(known, _)| *known == joint);
+                        let features = known.map_or_else(
+                            || self.joint_features(poses, pose, joint),
+                            |known| known.1,
+                        );
+                        last = Some((joint, features));
+                        features[entry]
+                    }
                 };
-                out[(row, pose)] = input.weight * feature[input.feature % 12];
-                last = Some((joint, feature));
+                out[(row, pose)] = input.weight * value;
             }
         }
         out
     }
 
     /// Computes the features of a joint: half of the rotation relative to the parent ([`so3::half`]) and, last in each
-    /// row, the displacement of the joint's origin in the parent's frame. The root's features are 0.
-    fn feature(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
-        let (rotation, displacement) = self.relative(poses, pose, joint);
-        let turn = so3::half(&rotation);
+    /// row, the gap between the joint's origin and where the parent carries it, in the parent's frame. The root's
+    /// features are 0.
+    fn joint_features(&self, poses: &Poses, pose: usize, joint: usize) -> [f64; 12] {
+        let (turn, gap) = self.relative(poses, pose, joint);
+        let turn = so3::half(&turn);
         std::array::from_fn(|k| match (k / 4, k % 4) {
-            (r, 3) => displacement[r],
+            (r, 3) => gap[r],
             (r, c) => turn[(r, c)],
         })
     }
 
-    /// Computes the rotation of a joint relative to its parent, and the displacement of its origin in the parent's
-    /// frame. The root has the identity and zero.
+    /// Computes the rotation of a joint relative to its parent, and the gap between the joint's origin and where the
+    /// parent carries it, in the parent's frame. The root has the identity and zero.
     pub fn relative(
         &self,
         poses: &Poses,
@@ -95,12 +120,16 @@ impl<'a> Features<'a> {
         let Some(parent) = self.parents[joint] else {
             return (Matrix3::identity(), Vector3::zeros());
         };
-        let inverse = poses.parent_rotation(pose, joint).transpose();
-        let own: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
-        let at = |j: usize| poses.map(pose, j) * self.origins[j].push(1.0);
-        let offset = inverse * (at(joint) - at(parent));
-        (inverse * own, offset - (self.origins[joint] - self.origins[parent]))
+        let gap = poses.gap_at_parent(pose, [joint, parent], &self.origins[joint]);
+        (so3::exp(poses.angle(pose, joint)), gap)
     }
+}
+
+/// Returns the RMS distance of numbers from their mean.
+fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let n = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    (values.map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// Lists the joints within some hops of a joint, without the root. If none are left, lists all joints but the root.

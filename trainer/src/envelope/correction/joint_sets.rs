@@ -1,15 +1,19 @@
-//! Selection of the joints that are inputs of kernel maps (METHOD §1.9). The helpers of a joint share one joint set or
-//! use several.
+//! Selection of the joints and curves that are inputs of kernel maps (METHOD §1.9, §1.10). The helpers of a joint share
+//! one joint set or use several.
 
 use super::features::{near, neighbours, on_side};
 use super::target::{CorrectionTarget, EachOutputs, groups};
-use crate::envelope::model::Input;
+use crate::envelope::lbs::projection::RIDGE;
+use crate::envelope::model::{Feature, Input};
 use crate::progress::Progress;
 use crate::regression::design::Design;
 use crate::regression::function::SMOOTHEST_FIRST;
 use crate::regression::inputs::{Inputs, WIDTHS};
 use crate::regression::outputs::Outputs;
 use crate::regression::ridge;
+use crate::settings::TIED;
+use faer::Side;
+use faer::linalg::solvers::Solve;
 use rayon::prelude::*;
 use sinew_runtime::envelope::GroupKernel;
 use std::collections::BTreeMap;
@@ -30,7 +34,7 @@ pub type JointSets = BTreeMap<usize, Vec<JointSet>>;
 pub struct JointSet {
     /// Largest number of hops to an input joint.
     pub hops: usize,
-    /// Features of the joints.
+    /// Features of the joints, then curves.
     pub inputs: Vec<Input>,
     /// Kernel, and its squared width in median squared distances.
     pub kernel: (GroupKernel, f64),
@@ -73,9 +77,16 @@ pub(super) fn of_joint(target: &CorrectionTarget<'_>, helpers: Range<usize>) -> 
     let joint = target.dominant[helpers.start];
     let each = EachOutputs::new(target, helpers);
     let Some(first) = JointSet::near(target, &each.outputs, joint) else { return Vec::new() };
-    let mut sets = vec![first.clone()];
-    for (hops, joints) in candidate_joints(target.features.parents, joint) {
+    let (own_joints, own_curves): (Vec<Input>, Vec<Input>) =
+        first.inputs.iter().partition(|input| !matches!(input.feature, Feature::Curve(_)));
+    let joints = candidate_joints(target.features.parents, joint).map(|(hops, joints)| {
         let inputs = target.features.inputs(target.poses, &joints);
+        (hops, [&inputs[..], &own_curves].concat())
+    });
+    let curves = Curves::new(target, &each.outputs, &own_joints);
+    let curves = curves.prefixes().map(|curves| (first.hops, [&own_joints[..], curves].concat()));
+    let mut sets = vec![first.clone()];
+    for (hops, inputs) in joints.chain(curves) {
         if sets.iter().all(|known| known.inputs != inputs) {
             sets.push(JointSet { hops, inputs, ..first });
         }
@@ -116,6 +127,39 @@ fn candidate_joints(
     })
 }
 
+/// The curves that vary over the poses, the most relevant first.
+struct Curves(Vec<Input>);
+
+impl Curves {
+    /// Ranks the curves by what they add to a linear fit of the outputs beside the inputs of joints.
+    fn new(target: &CorrectionTarget<'_>, outputs: &Outputs, joints: &[Input]) -> Self {
+        let curves = target.features.curves(target.poses);
+        if curves.len() < 2 {
+            return Self(curves);
+        }
+        let inputs = [joints, &curves].concat();
+        let values = target.features.evaluate(target.poses, &inputs);
+        let mut gram = &values * values.transpose();
+        let mean = gram.diagonal().column_vector().sum() / gram.nrows() as f64;
+        (0..gram.nrows()).for_each(|i| gram[(i, i)] += RIDGE * mean + f64::MIN_POSITIVE);
+        let Ok(factor) = gram.llt(Side::Lower) else { return Self(curves) };
+        let solution = factor.solve(&values * &outputs.all);
+        let size = |at: usize| solution.row(joints.len() + at).squared_norm_l2();
+        let mut order: Vec<usize> = (0..curves.len()).collect();
+        // Curves have equal spreads, so the coefficients compare.
+        order.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+        Self(order.into_iter().map(|at| curves[at]).collect())
+    }
+
+    /// Lists candidate sets: none, the most relevant, twice as many, and so on to all.
+    fn prefixes(&self) -> impl Iterator<Item = &[Input]> {
+        let doubled = std::iter::successors(Some(1), |len| Some(2 * len));
+        let some = doubled.take_while(|&len| len < self.0.len());
+        let all = Some(self.0.len()).filter(|len| *len > 0);
+        std::iter::once(0).chain(some).chain(all).map(|len| &self.0[..len])
+    }
+}
+
 /// Score of each joint set for each helper.
 struct Scores(Vec<Vec<f64>>);
 
@@ -150,14 +194,18 @@ impl JointSet {
         for hops in HOPS {
             let joints = near(target.features.parents, joint, hops);
             let inputs = target.features.inputs(target.poses, &joints);
-            if tried.last().is_none_or(|last| last.0.inputs != inputs) {
-                tried.extend(narrowest(
-                    target,
-                    outputs,
-                    (hops, &inputs),
-                    (SMOOTHEST_FIRST[0], &WIDTHS),
-                ));
-            }
+            let with = |curves: &[Input]| {
+                let inputs = [&inputs[..], curves].concat();
+                narrowest(target, outputs, (hops, &inputs), (SMOOTHEST_FIRST[0], &WIDTHS))
+            };
+            let curves = Curves::new(target, outputs, &inputs);
+            let of: Vec<(Self, f64)> = curves.prefixes().filter_map(with).collect();
+            let least = of.iter().map(|tried| tried.1).fold(f64::INFINITY, f64::min);
+            let found = of.into_iter().find(|tried| tried.1 <= TIED * least);
+            let is_new = |found: &(Self, f64)| {
+                tried.last().is_none_or(|last| last.0.inputs != found.0.inputs)
+            };
+            tried.extend(found.filter(is_new));
         }
         let tried = tied(target, tried).into_iter().map(|tried| tried.0);
         tried.min_by(|a, b| a.kernel.1.total_cmp(&b.kernel.1))

@@ -8,7 +8,6 @@ use crate::envelope::lbs::targets::map_of;
 use crate::regression::outputs::{Block, Outputs};
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par, Side};
-use nalgebra::Matrix3;
 use std::ops::Range;
 
 /// Default of the largest number of certainty values of a map.
@@ -216,9 +215,9 @@ fn local(residual: &Mat<f64>, poses: &Poses, joint: usize, helpers: &Range<usize
     let width = 4 * helpers.len();
     let mut out = Mat::zeros(poses.len(), 3 * width);
     for pose in 0..poses.len() {
-        let turn: Matrix3<f64> = poses.map(pose, joint).fixed_columns::<3>(0).into();
+        let back = poses.inverse(pose, joint);
         for (k, helper) in helpers.clone().enumerate() {
-            let map = turn.transpose() * map_of(residual, pose, helper);
+            let map = back * map_of(residual, pose, helper);
             for r in 0..3 {
                 for c in 0..4 {
                     out[(pose, r * width + 4 * k + c)] = map[(r, c)];

@@ -6,7 +6,8 @@ use crate::envelope::lbs::poses::{Poses, Time};
 use crate::regression::outputs::Block;
 use std::ops::Range;
 
-/// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size.
+/// Two poses repeat each other if no entry of a joint's map differs by more than this share of the motion's size, and no
+/// curve by more than this share of its range.
 /// Export leaves such differences in a loop.
 const REPEAT: f64 = 1e-3;
 /// Largest size of the motion: the entries of two rotations differ by 2 at most.
@@ -30,7 +31,7 @@ impl Distinct {
         let most = REPEAT * poses.largest_difference().min(LARGEST);
         let mut groups = Vec::<Vec<usize>>::new();
         for pose in 0..poses.len() {
-            match groups.iter_mut().find(|group| poses.are_close(group[0], pose, most)) {
+            match groups.iter_mut().find(|group| poses.are_close(group[0], pose, (most, REPEAT))) {
                 Some(group) => group.push(pose),
                 None => groups.push(vec![pose]),
             }

@@ -1,7 +1,9 @@
 //! Poses and surface trajectories with the reference root's motion removed (METHOD §1.1).
 
 use crate::examples::{Examples, RIGID};
-use crate::numeric::affine::{after, from_rows, homogeneous, joined, linear};
+use crate::numeric::affine::{
+    Strain, after, from_rows, homogeneous, joined, linear, strain, strain_norm,
+};
 use crate::numeric::{columns, so3};
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
@@ -9,7 +11,7 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 /// Smallest number of training poses: one row of H has six unknowns.
 pub const MIN_POSES: usize = 6;
 /// Entries of joint transforms, with lengths in diagonals, are equal if they differ by at most this: such a motion is
-/// invisible.
+/// invisible. So are curves whose values differ by at most this.
 const EQUAL: f64 = 1e-4;
 
 /// n poses of J joints, relative to the reference root.
@@ -20,7 +22,13 @@ pub struct Poses {
     maps: Vec<Matrix3x4<f64>>,
     angles: Vec<Vector3<f64>>,
     parent_rotations: Vec<Matrix3<f64>>,
+    /// Strains, n x J; empty if no joint stretches.
+    strains: Vec<Strain>,
     roots: Vec<Matrix3x4<f64>>,
+    /// Curves, n x C.
+    curves: Vec<f64>,
+    /// Range of each curve over the poses, C.
+    curve_ranges: Vec<[f64; 2]>,
     times: Vec<Time>,
 }
 
@@ -43,22 +51,38 @@ impl Poses {
             maps: Vec::new(),
             angles: Vec::new(),
             parent_rotations: Vec::new(),
+            strains: Vec::new(),
             roots: Vec::new(),
+            curves: Vec::new(),
+            curve_ranges: vec![[f64::INFINITY, f64::NEG_INFINITY]; examples.curve_names.len()],
             times: Vec::new(),
         };
+        let stretching = examples.stretching_joints();
+        let stretches = stretching.contains(&true);
         for &frame in frames {
             let pose: Vec<_> = examples.pose(frame).iter().map(from_rows).collect();
-            let inverse = rigid_inverse(&pose[poses.root]);
+            let inverse = inverse(&pose[poses.root], stretching[poses.root]);
             let maps: Vec<_> = pose.iter().map(|b| after(&inverse, b)).collect();
-            let rotations: Vec<_> = maps.iter().map(nearest_rotation).collect();
+            let turns: Vec<_> = pose.iter().map(nearest_rotation).collect();
+            let rotation = |joint: usize| turns[poses.root].transpose() * turns[joint];
             for (joint, parent) in skeleton.parents.iter().enumerate() {
-                let frame_of_parent = parent.map_or(Matrix3::identity(), |p| rotations[p]);
-                let relative = frame_of_parent.transpose() * rotations[joint];
-                poses.angles.push(parent.map_or(Vector3::zeros(), |_| so3::log(&relative)));
+                let frame_of_parent = parent.map_or(Matrix3::identity(), rotation);
+                let relative = parent.map(|p| turns[p].transpose() * turns[joint]);
+                poses.angles.push(relative.map_or(Vector3::zeros(), |turn| so3::log(&turn)));
                 poses.parent_rotations.push(frame_of_parent);
+            }
+            if stretches {
+                let all = pose.iter().zip(&stretching);
+                poses.strains.extend(all.map(|(map, stretches)| {
+                    if *stretches { strain(&linear(map)) } else { Strain::default() }
+                }));
             }
             poses.maps.extend(maps);
             poses.roots.push(pose[poses.root]);
+            poses.curves.extend(examples.curves_of(frame));
+            for (range, value) in poses.curve_ranges.iter_mut().zip(examples.curves_of(frame)) {
+                *range = [range[0].min(*value), range[1].max(*value)];
+            }
             poses.times.push(Time { clip: examples.clip_of(frame), frame });
         }
         poses
@@ -99,6 +123,17 @@ impl Poses {
         &self.maps[pose * self.joint_len + joint]
     }
 
+    /// Returns the J maps of a pose in a space where the root's stretch is as in the examples, and the map from there to
+    /// the root's frame. Rotations of joints are defined before the root's stretch is removed.
+    pub fn in_model_space(&self, pose: usize) -> (Vec<Matrix3x4<f64>>, Matrix3x4<f64>) {
+        if !self.stretch() {
+            return (self.pose(pose).to_vec(), Matrix3x4::identity());
+        }
+        let root = &self.roots[pose];
+        let inverse = inverse(root, true);
+        (self.pose(pose).iter().map(|map| after(root, map)).collect(), inverse)
+    }
+
     /// Returns the J maps `B_r⁻¹ B_j` of a pose.
     pub fn pose(&self, pose: usize) -> &[Matrix3x4<f64>] {
         &self.maps[pose * self.joint_len..][..self.joint_len]
@@ -114,12 +149,52 @@ impl Poses {
         &self.parent_rotations[pose * self.joint_len + joint]
     }
 
+    /// Returns whether a joint stretches.
+    pub fn stretch(&self) -> bool {
+        !self.strains.is_empty()
+    }
+
+    /// Returns the strain of a joint in a pose; 0 if the joint does not stretch.
+    pub fn strain(&self, pose: usize, joint: usize) -> Strain {
+        self.strains.get(pose * self.joint_len + joint).copied().unwrap_or_default()
+    }
+
+    /// Returns the largest norm of each joint's strain over the poses, J; `None` if no joint stretches.
+    pub fn strain_ranges(&self) -> Option<Vec<f64>> {
+        let norm = |pose: usize, joint: usize| strain_norm(&self.strain(pose, joint));
+        let range = |joint| (0..self.len()).map(|pose| norm(pose, joint)).fold(0.0, f64::max);
+        self.stretch().then(|| (0..self.joint_len).map(range).collect())
+    }
+
+    /// Returns C.
+    pub fn curve_len(&self) -> usize {
+        self.curve_ranges.len()
+    }
+
+    /// Returns the C curves of a pose.
+    pub fn curves(&self, pose: usize) -> &[f64] {
+        &self.curves[pose * self.curve_len()..][..self.curve_len()]
+    }
+
+    /// Returns the least and the greatest value of each curve over the poses, C.
+    pub fn curve_ranges(&self) -> &[[f64; 2]] {
+        &self.curve_ranges
+    }
+
+    /// Returns the inverse of a joint's linear part in a pose: `(B_r⁻¹ B_j)⁻¹`.
+    pub fn inverse(&self, pose: usize, joint: usize) -> Matrix3<f64> {
+        let linear = linear(self.map(pose, joint));
+        let inverse = if self.stretch() { linear.try_inverse() } else { None };
+        inverse.unwrap_or(linear.transpose())
+    }
+
     /// Returns whether all poses are equal up to invisible motions. A skeleton of one joint is compared by the motion
     /// of that joint itself.
     pub fn are_equal(&self) -> bool {
         let maps = if self.joint_len == 1 { &self.roots } else { &self.maps };
-        let all = maps.chunks(self.joint_len);
-        all.flat_map(|pose| pose.iter().zip(maps)).all(|(a, b)| (a - b).amax() <= EQUAL)
+        let mut all = maps.chunks(self.joint_len).flat_map(|pose| pose.iter().zip(maps));
+        all.all(|(a, b)| (a - b).amax() <= EQUAL)
+            && self.curve_ranges.iter().all(|[least, most]| most - least <= EQUAL)
     }
 
     /// Returns whether two joints have equal rotations in all poses, up to invisible motions.
@@ -128,9 +203,16 @@ impl Poses {
         (0..self.len()).all(|pose| difference(pose).fixed_columns::<3>(0).amax() <= EQUAL)
     }
 
-    /// Returns whether the entries of all joint transforms differ by at most `most` between two poses.
-    pub fn are_close(&self, a: usize, b: usize, most: f64) -> bool {
+    /// Returns whether two poses are close.
+    ///
+    /// - `most`: largest difference between entries of joint transforms.
+    /// - `share`: largest difference between values of a curve, over the curve's range.
+    pub fn are_close(&self, a: usize, b: usize, (most, share): (f64, f64)) -> bool {
+        let curves = self.curves(a).iter().zip(self.curves(b)).zip(&self.curve_ranges);
         self.pose(a).iter().zip(self.pose(b)).all(|(a, b)| (a - b).amax() <= most)
+            && curves
+                .into_iter()
+                .all(|((a, b), [least, most])| (a - b).abs() <= share * (most - least))
     }
 
     /// Returns the largest difference between an entry of a joint transform and that entry in the first pose.
@@ -157,6 +239,23 @@ impl Poses {
         origin: &Vector3<f64>,
     ) -> Vector3<f64> {
         (self.map(pose, joint) - self.map(pose, parent)) * origin.push(1.0)
+    }
+
+    /// Returns the [`Poses::gap`] of a joint in the frame of its parent, as the runtime sees it.
+    pub fn gap_at_parent(
+        &self,
+        pose: usize,
+        [joint, parent]: [usize; 2],
+        origin: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        let gap = self.gap(pose, [joint, parent], origin);
+        let root = linear(&self.roots[pose]);
+        let gap = if self.stretch() {
+            nearest_rotation(&self.roots[pose]).transpose() * root * gap
+        } else {
+            gap
+        };
+        self.parent_rotation(pose, joint).transpose() * gap
     }
 
     /// Returns the largest length of each joint's [`Poses::gap`] over the poses, J lengths; 0 for the root.
@@ -201,7 +300,10 @@ impl Poses {
             maps: some(&self.maps, joints, poses),
             angles: some(&self.angles, joints, poses),
             parent_rotations: some(&self.parent_rotations, joints, poses),
+            strains: if self.stretch() { some(&self.strains, joints, poses) } else { Vec::new() },
             roots: some(&self.roots, 1, poses),
+            curves: some(&self.curves, self.curve_len(), poses),
+            curve_ranges: self.curve_ranges.clone(),
             times: some(&self.times, 1, poses),
         }
     }
@@ -211,7 +313,8 @@ impl Poses {
 /// `[x y z]` of vertex v over the frames.
 pub fn trajectories(examples: &Examples, frames: &[usize], poses: &Poses) -> Mat<f64> {
     let mut all = Mat::zeros(3 * frames.len(), examples.vertex_len());
-    let inverses: Vec<_> = poses.roots.iter().map(rigid_inverse).collect();
+    let stretches = examples.stretching_joints()[poses.root];
+    let inverses: Vec<_> = poses.roots.iter().map(|root| inverse(root, stretches)).collect();
     columns::fill(&mut all, |v, column| {
         for (i, &frame) in frames.iter().enumerate() {
             let y = inverses[i] * homogeneous(&examples.frame(frame)[v]);
@@ -242,10 +345,11 @@ pub fn seen_from(
     (poses.local(space), trajectories)
 }
 
-/// Inverts a rigid map.
-pub fn rigid_inverse(m: &Matrix3x4<f64>) -> Matrix3x4<f64> {
-    let transposed = nearest_rotation(m).transpose();
-    joined(&transposed, &(-transposed * m.column(3)))
+/// Inverts the map of a root. A root that does not stretch is taken as rigid.
+fn inverse(m: &Matrix3x4<f64>, stretches: bool) -> Matrix3x4<f64> {
+    let inverse = if stretches { linear(m).try_inverse() } else { None };
+    let inverse = inverse.unwrap_or_else(|| nearest_rotation(m).transpose());
+    joined(&inverse, &(-inverse * m.column(3)))
 }
 
 fn nearest_rotation(m: &Matrix3x4<f64>) -> Matrix3<f64> {

@@ -7,6 +7,7 @@ use super::targets::{Targets, in_poses};
 use super::weights::{FREE, Lbs};
 use crate::Error;
 use crate::envelope::folds::Folds;
+use crate::envelope::model::Curve;
 use crate::examples::{Examples, Importance, Skeleton, Split};
 use crate::numeric::affine::linear;
 use crate::numeric::basis::{Basis, basis};
@@ -196,6 +197,12 @@ impl<'a> Training<'a> {
             own.for_each(|(map, weight)| errors[map - span.start] += error * weight / sum);
         }
         errors
+    }
+
+    /// Lists the curves with their trained ranges, C.
+    pub fn curves(&self) -> Vec<Curve> {
+        let names = self.examples.curve_names.iter().zip(self.poses.curve_ranges());
+        names.map(|(name, range)| Curve { name: name.clone(), range: *range }).collect()
     }
 
     /// Returns the importance of the vertices.

@@ -8,7 +8,7 @@ pub use follow::{Influences, Level, LevelReport, SkinSurface};
 use crate::Error;
 use crate::envelope::model::{FileModel, SkinModel};
 use crate::envelope::normals::{Fan, PosedSurface};
-use crate::envelope::posed::{influences, palette, rest, skin_on};
+use crate::envelope::posed::{Pose, influences, palette, rest, skin_on};
 use crate::examples::{Examples, Split, spread};
 use crate::space::{Conversion, SCALES, rotations};
 use faer::Mat;
@@ -73,7 +73,7 @@ pub fn add(
     let own = examples.surface();
     let frames = examples.frames_of(Split::Train);
     let posed = frames.par_iter().map(|&frame| {
-        let (palette, _) = palette(&envelope, examples.pose(frame), frame)?;
+        let (palette, _) = palette(&envelope, &Pose::of(&envelope, examples, frame), frame)?;
         let [positions, _] = skin_on(&skin, &palette, frame)?;
         Ok((palette, own.of_first_copies(positions.as_chunks().0)))
     });

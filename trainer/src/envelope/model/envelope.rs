@@ -1,12 +1,13 @@
 //! An envelope in f64: predicts a palette from a pose.
 
-use super::key::{Key, wide};
+use super::feature::{Feature, FeatureOrder};
+use super::key::{Key, Shear, wide};
 use crate::examples::Skeleton;
 use crate::numeric::affine;
 use crate::regression::confidence::MapConfidence;
 use crate::regression::map::KernelMap;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix3x4, Matrix6};
+use nalgebra::{Matrix3, Matrix3x4};
 use serde::Serialize;
 use sinew_runtime::Envelope;
 use sinew_runtime::envelope::{Certificate, Predictor};
@@ -27,8 +28,21 @@ pub struct EnvelopeModel {
     pub pose_ranges: Vec<f64>,
     /// Largest distance in training of each joint's origin from its place under the parent's transform, J.
     pub pose_gaps: Vec<f64>,
+    /// Largest norm of each joint's strain in training, J; `None` if no joint stretches.
+    pub stretch_ranges: Option<Vec<f64>>,
+    /// The curves, C.
+    pub curves: Vec<Curve>,
     /// Measured errors of the fit.
     pub certificate: Certificate,
+}
+
+/// A curve of the pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Name.
+    pub name: String,
+    /// Least and greatest value in training.
+    pub range: [f64; 2],
 }
 
 /// Reconstruction of the transforms of P proxies: `t = c1 d + c2 q` (METHOD §1.7.3).
@@ -61,8 +75,8 @@ pub struct Group {
 /// A feature and its weight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Input {
-    /// Index 12 j + 4 r + c: entry r, c of joint j's `[half rotation | displacement]`.
-    pub feature: usize,
+    /// The feature.
+    pub feature: Feature,
     /// Factor of the feature.
     pub weight: f64,
 }
@@ -74,6 +88,12 @@ impl EnvelopeModel {
             None => Predictor::Kernel,
             Some(_) => Predictor::Rotational,
         }
+    }
+
+    /// Returns the order of the features in a file.
+    pub fn feature_order(&self) -> FeatureOrder {
+        let stretches = self.stretch_ranges.is_some();
+        FeatureOrder { joint_len: self.joint_len(), stretches }
     }
 
     /// Returns the number of joints, J.
@@ -108,21 +128,29 @@ impl EnvelopeModel {
         let name = |joint| envelope.joint_name(joint).unwrap_or_default().to_owned();
         let keys: Vec<_> = (0..envelope.proxy_len()).filter_map(|l| envelope.key(l)).collect();
         let (p, j) = (keys.len(), joints.len());
+        let order = FeatureOrder { joint_len: j, stretches: envelope.stretches() };
+        let curve = |curve| Curve {
+            name: envelope.curve_name(curve).unwrap_or_default().to_owned(),
+            range: envelope.curve_range(curve).unwrap_or_default().map(f64::from),
+        };
+        let strain_range = |joint| wide(envelope.stretch_range(joint));
         Self {
             name: envelope.name().to_owned(),
             skeleton: Skeleton {
                 names: joints.clone().map(name).collect(),
                 parents: joints.clone().map(|joint| envelope.parent(joint)).collect(),
                 rest: joints.clone().map(|joint| rest_frame(envelope, joint)).collect(),
-                roots: Vec::new(),
-                unplaced: Vec::new(),
+                is_still: joints.is_empty(),
+                ..Skeleton::default()
             },
             reconstruction: envelope.predictor().reconstructs().then(|| Reconstruction {
                 keys: keys.iter().map(key).collect(),
                 c1: Mat::from_fn(4 * p, 3 * p, |r, c| wide(envelope.c1(r, c))),
                 c2: Mat::from_fn(4 * p, 4 * j, |r, c| wide(envelope.c2(r, c))),
             }),
-            groups: envelope.groups().map(|loaded| group(&loaded)).collect(),
+            groups: envelope.groups().map(|loaded| group(&loaded, order)).collect(),
+            stretch_ranges: order.stretches.then(|| joints.clone().map(strain_range).collect()),
+            curves: (0..envelope.curve_len()).map(curve).collect(),
             pose_ranges: joints.clone().map(|joint| wide(envelope.pose_range(joint))).collect(),
             pose_gaps: joints.map(|joint| wide(envelope.pose_gap(joint))).collect(),
             certificate: envelope.certificate(),
@@ -163,6 +191,19 @@ impl EnvelopeModel {
         out
     }
 
+    /// Removes the one joint of a skeleton that never moves. A helper that never moves takes its place in the palette.
+    #[must_use]
+    pub fn without_joint(&self) -> Self {
+        let mut out = self.clone();
+        out.skeleton = Skeleton { is_still: true, ..Skeleton::default() };
+        out.groups.iter_mut().for_each(|group| {
+            group.proxies = group.proxies.start + 1..group.proxies.end + 1;
+        });
+        out.groups.insert(0, Group::nothing(0, 0..1));
+        (out.pose_ranges, out.pose_gaps) = (Vec::new(), Vec::new());
+        out
+    }
+
     /// Converts a model to the input's unit and origin. The model's positions are `(x - centre) / unit` of the input's
     /// x.
     #[must_use]
@@ -196,11 +237,11 @@ impl Group {
         self.map.centres.ncols() > 0
     }
 
-    /// Computes the inputs of the map from J matrices of features, d.
-    pub fn input(&self, features: &[Matrix3x4<f64>]) -> Vec<f64> {
-        let value = |&Input { feature, weight }: &Input| {
-            weight * features[feature / 12][(feature / 4 % 3, feature % 4)]
-        };
+    /// Computes the inputs of the map from the features of a pose, d.
+    ///
+    /// - `order`: of the features.
+    pub fn input(&self, features: &[f64], order: FeatureOrder) -> Vec<f64> {
+        let value = |input: &Input| input.weight * features[order.index(input.feature)];
         self.inputs.iter().map(value).collect()
     }
 
@@ -216,7 +257,7 @@ impl Group {
 
     /// Converts the group. With unit u and centre o, a correction `[L | t]` adds `L (x - o) + u t`.
     fn restate(&mut self, unit: f64, [ox, oy, oz]: [f64; 3]) {
-        for input in self.inputs.iter_mut().filter(|input| input.feature % 4 == 3) {
+        for input in self.inputs.iter_mut().filter(|input| input.feature.is_length()) {
             *input = Input { weight: input.weight / unit, ..*input };
         }
         let outputs = &self.outputs;
@@ -299,15 +340,22 @@ fn key(key: &sinew_runtime::envelope::Key) -> Key {
         joint: key.joint,
         twist: matrix(&key.twist),
         residual: key.residual.map(|(joint, twist)| (joint, matrix(&twist))),
-        shear: Matrix6::from_fn(|r, c| f64::from(key.shear[r][c])),
+        shear: Shear::from_fn(|r, c| match (c.checked_sub(6), key.stretch) {
+            (None, _) => f64::from(key.shear[r][c]),
+            (Some(c), Some(stretch)) => f64::from(stretch[r][c]),
+            (Some(_), None) => 0.0,
+        }),
     }
 }
 
 /// Converts a loaded group to f64. The kernel values at rest are computed again, not read from the file.
-fn group(group: &sinew_runtime::envelope::Group<'_>) -> Group {
+fn group(group: &sinew_runtime::envelope::Group<'_>, order: FeatureOrder) -> Group {
     let (d, n) = (group.input_len(), group.centre_len());
     let (r, m) = (group.rank(), group.certainty_len());
-    let input = |(feature, weight): (usize, f32)| Input { feature, weight: weight.into() };
+    let input = |(index, weight): (usize, f32)| Input {
+        feature: order.feature(index),
+        weight: weight.into(),
+    };
     Group {
         joint: group.joint,
         proxies: group.proxies.clone(),

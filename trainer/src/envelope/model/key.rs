@@ -1,10 +1,11 @@
 //! Keys: a key predicts the gradient of a patch of the skin from the rotations of one or two joints (METHOD §1.4,
 //! §1.5).
 
+use crate::numeric::affine::Strain;
 use crate::numeric::so3;
-use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3, Vector6};
 
-/// A key predictor: `D = Q_p exp(A θ_b) [exp(A' θ_c)] (I + sym(H [θ_b; θ_p]))`.
+/// A key predictor: `D = Q_p exp(A θ_b) [exp(A' θ_c)] (I + sym(H [θ_b; θ_p] + G E_b))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
     /// Joint b that the key follows; p is the parent of b.
@@ -13,9 +14,15 @@ pub struct Key {
     pub twist: Matrix3<f64>,
     /// Residual joint c, and A' = u' W'.
     pub residual: Option<(usize, Matrix3<f64>)>,
-    /// H, rows xx, xy, xz, yy, yz, zz.
-    pub shear: Matrix6<f64>,
+    /// `[H G]`: rows xx, xy, xz, yy, yz, zz.
+    pub shear: Shear,
 }
+
+/// Movement of a key's joint b and of its parent p: `[θ_b; θ_p; E_b]`. Angles are in radians; θ_p = 0 without a parent.
+pub type Movement = SVector<f64, 12>;
+
+/// Linear map from a [`Movement`] to the entries xx, xy, xz, yy, yz, zz of a stretch.
+pub type Shear = SMatrix<f64, 6, 12>;
 
 /// Factors whose product is a key's gradient.
 pub struct Factors {
@@ -35,11 +42,13 @@ impl Key {
     /// - `parent`: Q_p, I for the root.
     /// - `angle`: θ of a joint, radians.
     /// - `above`: parent of b; `None` for the root, which uses θ_p = 0.
+    /// - `strain`: E_b.
     pub fn factors<'a>(
         &self,
         parent: Matrix3<f64>,
         angle: impl Fn(usize) -> &'a Vector3<f64>,
         above: Option<usize>,
+        strain: &Strain,
     ) -> Factors {
         let own = angle(self.joint);
         let over = above.map_or(Vector3::zeros(), |p| *angle(p));
@@ -47,7 +56,7 @@ impl Key {
             parent,
             twist: self.twist * own,
             residual: self.residual.map(|(joint, twist)| twist * angle(joint)),
-            stretch: stretch(&self.shear, &angles(own, &over)),
+            stretch: stretch(&self.shear, &movement(own, &over, strain)),
         }
     }
 }
@@ -61,14 +70,14 @@ impl Factors {
     }
 }
 
-/// Returns `[θ_b; θ_p]` of a joint b and its parent p.
-pub fn angles(own: &Vector3<f64>, above: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(own.x, own.y, own.z, above.x, above.y, above.z)
+/// Joins the movement of a joint b and its parent p.
+pub fn movement(own: &Vector3<f64>, above: &Vector3<f64>, strain: &Strain) -> Movement {
+    Movement::from_iterator(own.iter().chain(above).chain(strain).copied())
 }
 
-/// Returns S = I + sym(H [θ_b; θ_p]).
-pub fn stretch(shear: &Matrix6<f64>, angles: &Vector6<f64>) -> Matrix3<f64> {
-    Matrix3::identity() + symmetric(&(shear * angles))
+/// Returns S = I + sym([H G] [θ_b; θ_p; E_b]).
+pub fn stretch(shear: &Shear, movement: &Movement) -> Matrix3<f64> {
+    Matrix3::identity() + symmetric(&(shear * movement))
 }
 
 /// Returns `[xx xy xz; xy yy yz; xz yz zz]`.

@@ -1,12 +1,14 @@
 //! A fitted model in f64: baked into a file, evaluated by the oracle, and loaded back from a file.
 
 mod envelope;
+mod feature;
 mod key;
 mod prior;
 mod skin;
 
-pub use envelope::{EnvelopeModel, Group, Input, Reconstruction};
-pub use key::{Factors, Key, angles, stretch, symmetric};
+pub use envelope::{Curve, EnvelopeModel, Group, Input, Reconstruction};
+pub use feature::{Feature, FeatureOrder};
+pub use key::{Factors, Key, Movement, Shear, movement, stretch, symmetric};
 pub use prior::PriorModel;
 pub use skin::{ShapeNumbers, Shapes, SkinModel, Vertex};
 

@@ -1,52 +1,72 @@
 //! Stages of the reconstruction: rotations, gradients, palette, confidence (METHOD §1.1 to §1.7).
 
 use crate::envelope::model::{EnvelopeModel, Factors, Key};
-use crate::numeric::affine::{after, linear, seen_from};
+use crate::numeric::affine::{Strain, after, linear};
 use crate::numeric::so3;
 use crate::regression::confidence::step;
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, SMatrix, Vector3};
 
 impl EnvelopeModel {
-    /// Removes the root's motion from J maps: `B_r⁻¹ B_j`, with B_r treated as rigid (METHOD §1.1).
+    /// Removes the root's motion from J maps: `B_r⁻¹ B_j`, with B_r treated as rigid if no joint stretches (METHOD
+    /// §1.1). Below a hidden root the maps are 0.
     pub fn relative(&self, pose: &[Matrix3x4<f64>]) -> Vec<Matrix3x4<f64>> {
         let root = self.skeleton.root();
-        let unmoved = |(joint, map): (usize, &Matrix3x4<f64>)| match joint == root {
-            true => Matrix3x4::identity(),
-            false => seen_from(&pose[root], map),
+        let inverse = match self.stretch_ranges {
+            Some(_) if self.turns(pose)[root].is_none() => Matrix3::zeros(),
+            Some(_) => linear(&pose[root]).try_inverse().unwrap_or_default(),
+            None => linear(&pose[root]).transpose(),
+        };
+        let unmoved = |(joint, map): (usize, &Matrix3x4<f64>)| {
+            if joint == root {
+                return Matrix3x4::identity();
+            }
+            let mut apart = *map;
+            apart.column_mut(3).axpy(-1.0, &pose[root].column(3), 1.0);
+            inverse * apart
         };
         pose.iter().enumerate().map(unmoved).collect()
     }
 
-    /// Returns θ_j = log of the rotation nearest to Q_pᵀ Q_j for J relative maps, radians; 0 for the root.
-    pub fn rotations(&self, relative: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
+    /// Returns θ_j = log of the rotation nearest to R_pᵀ R_j for J maps, radians; 0 for the root.
+    pub fn rotations(&self, pose: &[Matrix3x4<f64>]) -> Vec<Vector3<f64>> {
+        let turns = self.turns(pose);
         let angle = |(joint, parent): (usize, &Option<usize>)| {
-            let Some(parent) = parent else { return Vector3::zeros() };
-            let turn = linear(&relative[*parent]).transpose() * linear(&relative[joint]);
-            so3::polar(&turn).map_or(Vector3::zeros(), |(rotation, _)| so3::log(&rotation))
+            let parent = (*parent)?;
+            let turn = turns[parent]?.transpose() * turns[joint]?;
+            so3::polar(&turn).map(|(rotation, _)| so3::log(&rotation))
         };
-        self.skeleton.parents.iter().enumerate().map(angle).collect()
+        self.skeleton.parents.iter().enumerate().map(|at| angle(at).unwrap_or_default()).collect()
     }
 
     /// Evaluates the factors of a key's gradient (METHOD §1.4, §1.5).
     pub fn factors(
         &self,
         key: &Key,
-        relative: &[Matrix3x4<f64>],
+        pose: &[Matrix3x4<f64>],
         rotations: &[Vector3<f64>],
     ) -> Factors {
         let above = self.skeleton.parents[key.joint];
-        let parent = above.map_or(Matrix3::identity(), |p| linear(&relative[p]));
-        key.factors(parent, |joint| &rotations[joint], above)
+        let turns = self.turns(pose);
+        let turn = |joint: usize| turns[joint].unwrap_or_default();
+        let root = turn(self.skeleton.root()).transpose();
+        let parent = above.map_or(Matrix3::identity(), |p| root * turn(p));
+        let strain = match self.stretch_ranges {
+            Some(_) => self.strains(pose)[key.joint],
+            None => Strain::default(),
+        };
+        key.factors(parent, |joint| &rotations[joint], above, &strain)
     }
 
     /// Predicts the P gradients without the root's motion.
+    ///
+    /// - `pose`: skinning matrices, J.
     pub fn gradients(
         &self,
-        relative: &[Matrix3x4<f64>],
+        pose: &[Matrix3x4<f64>],
         rotations: &[Vector3<f64>],
     ) -> Vec<Matrix3<f64>> {
-        let gradient = |key| self.factors(key, relative, rotations).gradient();
+        let gradient = |key| self.factors(key, pose, rotations).gradient();
         self.keys().iter().map(gradient).collect()
     }
 
@@ -65,9 +85,10 @@ impl EnvelopeModel {
 
     /// Returns the confidence of a rotational model: the smallest over the joints. A joint has 1 within its trained
     /// range and 0 from 1.5 times the range plus 0.1 rad (FORMAT.md).
-    pub fn confidence(&self, rotations: &[Vector3<f64>]) -> f64 {
+    pub fn confidence(&self, pose: &[Matrix3x4<f64>], rotations: &[Vector3<f64>]) -> f64 {
         let of_joint = |(theta, range): (&Vector3<f64>, &f64)| within(theta.norm(), *range, *range);
-        rotations.iter().zip(&self.pose_ranges).map(of_joint).fold(1.0, f64::min)
+        let angles = rotations.iter().zip(&self.pose_ranges).map(of_joint);
+        angles.chain(self.stretch_confidences(pose)).fold(1.0, f64::min)
     }
 }
 

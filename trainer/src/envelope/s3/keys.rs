@@ -7,12 +7,12 @@ use super::rotation::{self, KeyChoice};
 use super::surface::{Surface, edge_frame};
 use crate::envelope::lbs::blend::{Alternation, Blend, Items, Weights};
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::model::{Key, angles, symmetric};
+use crate::envelope::model::{Key, Movement, Shear, movement, symmetric};
 use crate::examples::Importance;
 use crate::numeric::so3;
 use crate::progress::Progress;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector3, Vector6};
+use nalgebra::{DMatrix, Matrix3, SymmetricEigen, Vector3, Vector6};
 
 /// Weight of n̂ as a third edge, which makes D_l unique if the supporting triangles are coplanar.
 const NORMAL_WEIGHT: f64 = 0.1;
@@ -107,14 +107,16 @@ impl GradientPredictor {
     /// Returns this predictor without scale and shear.
     #[must_use]
     pub fn without_shear(&self) -> Self {
-        let key = Key { shear: Matrix6::zeros(), ..self.key.clone() };
+        let key = Key { shear: Shear::zeros(), ..self.key.clone() };
         Self { key, bias: Matrix3::zeros(), ..self.clone() }
     }
 
     /// Predicts the gradient of a pose, relative to the root.
     pub fn predict(&self, poses: &Poses, pose: usize) -> Matrix3<f64> {
         let parent = *poses.parent_rotation(pose, self.key.joint);
-        let mut factors = self.key.factors(parent, |joint| poses.angle(pose, joint), self.parent);
+        let angle = |joint| poses.angle(pose, joint);
+        let strain = poses.strain(pose, self.key.joint);
+        let mut factors = self.key.factors(parent, angle, self.parent, &strain);
         factors.stretch += self.bias;
         factors.gradient()
     }
@@ -181,9 +183,9 @@ pub fn polar_sequence(gradients: &[Matrix3<f64>]) -> Vec<(Matrix3<f64>, Matrix3<
         .collect()
 }
 
-/// Fits scale and shear to the stretches of one sequence: H and B of `S = I + B + sym(H [θ_b1; θ_b2])`. With B = 0 the
-/// rest pose gives S = I (METHOD §1.5); a free B is S3 §1.3. Rows of H are the entries xx, xy, xz, yy, yz, zz of S;
-/// its columns are θ_b1, then θ_b2.
+/// Fits scale and shear to the stretches of one sequence: H, G and B of `S = I + B + sym(H [θ_b1; θ_b2] + G E_b1)`. With
+/// B = 0 the rest pose gives S = I (METHOD §1.5); a free B is S3 §1.3. Rows are the entries xx, xy, xz, yy, yz, zz of S;
+/// columns are θ_b1, θ_b2, and the strain of b1.
 ///
 /// - `parent`: b2; `None` for the root.
 /// - `biased`: fits B if true; else B is 0.
@@ -193,20 +195,19 @@ fn fit_stretch(
     parent: Option<usize>,
     stretches: impl Iterator<Item = Matrix3<f64>>,
     biased: bool,
-) -> (Matrix6<f64>, Matrix3<f64>) {
+) -> (Shear, Matrix3<f64>) {
     let x: Vec<_> = (0..poses.len()).map(|pose| features(poses, pose, joint, parent)).collect();
     let y: Vec<_> = stretches.map(|s| to_vector(&(s - Matrix3::identity()))).collect();
     // The best bias maps the mean of x to the mean of y; the centred values then need no bias.
-    let mean = |of: &[Vector6<f64>]| match biased {
-        true => of.iter().sum::<Vector6<f64>>() / of.len().max(1) as f64,
-        false => Vector6::zeros(),
-    };
-    let (mean_x, mean_y) = (mean(&x), mean(&y));
-    let mut gram = Matrix6::zeros();
-    let mut right = Matrix6::zeros();
+    let share = if biased { 1.0 / x.len().max(1) as f64 } else { 0.0 };
+    let mean_x = x.iter().sum::<Movement>() * share;
+    let mean_y = y.iter().sum::<Vector6<f64>>() * share;
+    let len = if poses.stretch() { Movement::zeros().len() } else { 6 };
+    let mut gram = DMatrix::zeros(len, len);
+    let mut right = DMatrix::zeros(6, len);
     for (x, y) in x.iter().zip(&y) {
-        let x = x - mean_x;
-        gram += x * x.transpose();
+        let x = (x - mean_x).rows(0, len).into_owned();
+        gram += &x * x.transpose();
         right += (y - mean_y) * x.transpose();
     }
     // The Gram matrix is positive semidefinite; the ridge makes all eigenvalues positive.
@@ -214,14 +215,16 @@ fn fit_stretch(
     let ridge = if biased { SINGULAR } else { RIDGE } * poses.len().max(1) as f64;
     let inverse = eigen.eigenvalues.map(|value| 1.0 / (value.max(0.0) + ridge));
     let q = eigen.eigenvectors;
-    let h = right * q * Matrix6::from_diagonal(&inverse) * q.transpose();
-    (h, symmetric(&(mean_y - h * mean_x)))
+    let solution = right * &q * DMatrix::from_diagonal(&inverse) * q.transpose();
+    let mut shear = Shear::zeros();
+    shear.columns_mut(0, len).copy_from(&solution);
+    (shear, symmetric(&(mean_y - shear * mean_x)))
 }
 
-/// Returns `[θ_b1; θ_b2]` of a pose.
-fn features(poses: &Poses, pose: usize, joint: usize, parent: Option<usize>) -> Vector6<f64> {
+/// Returns `[θ_b1; θ_b2; E_b1]` of a pose.
+fn features(poses: &Poses, pose: usize, joint: usize, parent: Option<usize>) -> Movement {
     let above = parent.map_or_else(Vector3::zeros, |p| *poses.angle(pose, p));
-    angles(poses.angle(pose, joint), &above)
+    movement(poses.angle(pose, joint), &above, &poses.strain(pose, joint))
 }
 
 /// Returns the entries xx, xy, xz, yy, yz, zz of a symmetric matrix.
@@ -346,7 +349,7 @@ mod tests {
             let found = stretch(&h, &features(&poses, pose, joint, parents[joint]));
             assert!((found - truth(pose)).amax() < 5e-3, "pose {pose}");
         }
-        assert_eq!((h * Vector6::zeros(), bias), (Vector6::zeros(), Matrix3::zeros()));
+        assert_eq!((h * Movement::zeros(), bias), (Vector6::zeros(), Matrix3::zeros()));
         let offset = Matrix3::new(0.2, 0.05, 0.0, 0.05, -0.1, 0.03, 0.0, 0.03, 0.01);
         let stretches = (0..poses.len()).map(|pose| truth(pose) + offset);
         let (h, bias) = fit_stretch(&poses, joint, parents[joint], stretches, true);

@@ -25,12 +25,12 @@ use super::validation::Setting;
 use super::{ProxyCount, RotationalOptions};
 use crate::Error;
 use crate::envelope::lbs::blend::{Blend, InTurn, Items, Supports, Weights};
-use crate::envelope::model::{Key, Reconstruction};
+use crate::envelope::model::{Key, Reconstruction, Shear};
 use crate::numeric::affine::homogeneous;
 use crate::numeric::columns;
 use crate::progress::Progress;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix6};
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
@@ -135,7 +135,7 @@ pub fn reconstruction(predictors: &[GradientPredictor], reduced: &Reduced) -> Re
         return Reconstruction { keys, c1: reduced.c1.clone(), c2: reduced.c2.clone() };
     }
     keys.extend_from_within(..);
-    keys[p..].iter_mut().for_each(|key| key.shear = Matrix6::zeros());
+    keys[p..].iter_mut().for_each(|key| key.shear = Shear::zeros());
     let rows = reduced.c1.nrows();
     let len = (2 * p).max(rows / 4);
     keys.resize(len, keys[p].clone());

@@ -3,9 +3,9 @@
 
 use super::Method;
 use crate::envelope::lbs::poses::Poses;
-use crate::envelope::model::Key;
+use crate::envelope::model::{Key, Shear};
 use crate::numeric::so3;
-use nalgebra::{Matrix3, Matrix6, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -75,7 +75,7 @@ pub fn fit(poses: &Poses, rotations: &[Matrix3<f64>], method: Method) -> (Key, K
     let is_better = c != joint && residual_errors[c] < RESIDUAL_GAIN * errors[joint];
     let residual = is_better.then(|| (c, twists[c]));
     let residual_joint = is_better.then_some(c);
-    let key = Key { joint, twist, residual, shear: Matrix6::zeros() };
+    let key = Key { joint, twist, residual, shear: Shear::zeros() };
     (key, KeyChoice { joint, residual_joint, errors, residual_errors })
 }
 

@@ -51,6 +51,7 @@ pub fn join(all: Vec<(PathBuf, Examples, Vec<Clip>)>) -> Result<(Examples, Vec<C
     }
     for (file, mut next, own) in rest {
         next.convert_to(&joined.space);
+        next.keep_curves(&joined.curve_names).map_err(|error| error.in_file(&file))?;
         check(&joined, &next, &first).map_err(|error| error.in_file(&file))?;
         clips.extend(named(&file, joined.frame_len(), &own));
         append(&mut joined, next);
@@ -90,6 +91,7 @@ fn append(joined: &mut Examples, next: Examples) {
     joined.vertices.extend(next.vertices);
     joined.own_skin &= next.own_skin;
     joined.transforms.extend(next.transforms);
+    joined.curves.extend(next.curves);
     joined.split.extend(next.split);
     joined.place_joints();
 }

@@ -84,7 +84,7 @@ pub(super) fn play(
     let frame_len = character.transforms.len() / character.joint_len().max(1);
     character.vertices = character.rest.repeat(frame_len);
     character.split = vec![Split::Train; frame_len];
-    warnings.extend(character.unscale_idle_joints());
+    warnings.extend(character.unscale());
     Loaded { examples: character, clips: motion.clips, warnings }.checked(&Origin::SCENE)
 }
 

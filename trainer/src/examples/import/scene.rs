@@ -51,9 +51,9 @@ pub(super) fn join(
     Ok(cut(unscaled(all), sampling))
 }
 
-/// Removes the scale of idle joints.
+/// Removes scales that no fit needs.
 fn unscaled(mut loaded: Loaded) -> Loaded {
-    loaded.warnings.extend(loaded.examples.unscale_idle_joints());
+    loaded.warnings.extend(loaded.examples.unscale());
     loaded
 }
 

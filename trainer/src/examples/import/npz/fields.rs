@@ -146,6 +146,27 @@ pub(super) fn read_joint_weights(
     Ok(flat(rows))
 }
 
+/// Reads the names of C curves and their values, N x C; none without the array.
+///
+/// # Errors
+/// An array cannot be read, or counts differ.
+pub(super) fn read_curves(
+    archive: &mut Archive,
+    sidecar: &Sidecar,
+    frame_len: usize,
+) -> Result<(Vec<String>, Vec<f64>), Error> {
+    let Some(rows) = archive.rows::<f64, 1>("curves", &[0])? else {
+        return Ok(Default::default());
+    };
+    same("frames", "vertices", frame_len, "curves", rows.lead[0])?;
+    let names = match &sidecar.curve_names {
+        Some(names) => names.clone(),
+        None => archive.texts("curve_names")?.ok_or_else(|| missing("curve_names"))?,
+    };
+    same("curves", "curve_names", names.len(), "curves", rows.lead[1])?;
+    Ok((names, rows.data.into_flattened()))
+}
+
 /// Reads the use of each frame, N.
 pub(super) fn read_split(
     archive: &mut Archive,

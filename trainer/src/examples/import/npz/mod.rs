@@ -7,6 +7,8 @@
 //! | `vertices` | N, V, 3 | posed positions |
 //! | `bone_transforms` | N, J, 4, 4 | rest pose to pose, for column vectors |
 //! | `bone_names`, `bone_parents` | J | optional if the JSON has them; parent -1 is a root |
+//! | `curves` | N, C | optional values of animation curves, 0 at rest; the rows about joints may then be missing |
+//! | `curve_names` | C | names of the curves, optional if the JSON has them |
 //! | `split` | N | optional: 0 train, 1 held out, 2 extreme; all train without it |
 //! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
 //! | `uv` | U, 2 | optional texture coordinates, v upward; U = V without the next row |
@@ -22,7 +24,7 @@
 //! | `handedness` | | optional: `right` (default) or `left` |
 //! | `unit` | | optional metres per unit of length |
 //!
-//! The JSON may hold `bone_names`, `bone_parents` (numbers or names), and `joint_rest_positions` (name to x y z), used
+//! The JSON may hold `bone_names`, `curve_names`, `bone_parents` (numbers or names), and `joint_rest_positions` (name to x y z), used
 //! without `joint_world_rest`. It may also hold the names and starts of clips and meshes, `fps`, axes, handedness and
 //! unit. The JSON takes precedence over the arrays. Other content of both files is ignored. Numbers may have any width
 //! and byte order. A single number or word may have one dimension or none.
@@ -36,8 +38,8 @@ use std::path::Path;
 pub use save::save_npz;
 
 use self::fields::{
-    FACES, MESHES, read_clips, read_each, read_faces, read_joint_weights, read_runs, read_space,
-    read_split, read_texture,
+    FACES, MESHES, read_clips, read_curves, read_each, read_faces, read_joint_weights, read_runs,
+    read_space, read_split, read_texture,
 };
 use self::sidecar::{Parent, Sidecar};
 use super::clips::{selected, selected_rows};
@@ -46,7 +48,7 @@ use crate::Error;
 use crate::examples::data::translation;
 use crate::examples::distortion::REPAIRABLE;
 use crate::examples::joints::join_roots;
-use crate::examples::validate::{missing_parent, not_rigid, same};
+use crate::examples::validate::{distorted, missing_parent, same};
 use crate::examples::{Distortion, Examples, Matrix3x4, Skeleton, Split, Warning, numbered};
 use crate::formats::npz::{Archive, Rows, missing};
 use crate::formats::posed_meshes::PosedMeshes;
@@ -120,7 +122,8 @@ fn read(
 ) -> Result<(Loaded, Option<f64>), Error> {
     let has_joints = sidecar.bone_names.is_some()
         || ["bone_names", "bone_parents", "bone_transforms"].iter().any(|array| archive.has(array));
-    if archive.has("vertices") && !has_joints {
+    let has_curves = archive.has("curves");
+    if archive.has("vertices") && !has_joints && !has_curves {
         return Err(meshes_alone());
     }
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
@@ -131,23 +134,16 @@ fn read(
     let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
     let (frame_len, posed_len) = (lead[0], lead[1]);
     same("vertices", "rest", rest.len(), "vertices", posed_len)?;
-    let Rows { lead, data: matrices } =
-        archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
-    same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
-    let joint_len = lead[1];
     let (clips, fps) = read_clips(&mut archive, sidecar, path, frame_len)?;
-
     let mut warnings = Vec::new();
-    let names = match &sidecar.bone_names {
-        Some(names) => names.clone(),
-        None => archive.texts("bone_names")?.ok_or_else(|| missing("bone_names"))?,
+    let (skeleton, matrices) = if has_joints || !has_curves {
+        read_joints(&mut archive, sidecar, frame_len, &mut warnings)?
+    } else {
+        let still = (0..frame_len).map(|_| STILL).collect();
+        (Skeleton::still(), still)
     };
-    same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
-    let (parents, roots) = read_parents(&mut archive, sidecar, &names, &mut warnings)?;
-    let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
-    if let Some(frames) = &frames {
-        same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
-    }
+    let joint_len = skeleton.names.len();
+    let (curve_names, curves) = read_curves(&mut archive, sidecar, frame_len)?;
     let split = read_split(&mut archive, frame_len)?;
     let split = split.unwrap_or_else(|| vec![Split::Train; frame_len]);
     let stated = (&sidecar.mesh_names, &sidecar.mesh_starts);
@@ -166,15 +162,11 @@ fn read(
     let matrices = selected_rows(matrices, joint_len, kept_frames);
     let split = selected_rows(split, 1, kept_frames);
     let weights = weights.map(|weights| selected_rows(weights, 1, kept_frames));
-    let transforms = affine(&matrices, Some(&split), &names);
+    let curves = selected_rows(curves, curve_names.len(), kept_frames);
+    let transforms = affine(&matrices, Some(&split), &skeleton.names);
     let transforms = transforms.map_err(|error| numbered(error, &clips))?;
     drop(matrices);
 
-    let rest_frames = match &frames {
-        Some(frames) => affine(&frames.data, None, &names)?,
-        None => vec![translation([0.0; 3]); joint_len],
-    };
-    let skeleton = Skeleton { names, parents, roots, rest: rest_frames, ..Skeleton::default() };
     let mut examples = Examples {
         rest,
         triangles: faces.triangles,
@@ -182,6 +174,8 @@ fn read(
         skeleton,
         vertices,
         transforms,
+        curve_names,
+        curves,
         split,
         ranges,
         clip_starts: clips.iter().map(|clip| clip.first).collect(),
@@ -195,14 +189,47 @@ fn read(
     if let Some(weights) = weights {
         examples.repeat(&weights).map_err(|error| numbered(error, &clips))?;
     }
-    if frames.is_none() {
-        place(&mut examples.skeleton, sidecar)?;
-    }
-    warnings.extend(examples.unscale_idle_joints());
+    warnings.extend(examples.unscale());
     let found = examples.validate().map_err(|error| numbered(error, &clips))?;
     warnings.extend(found.into_iter().map(|warning| warning.called(&clips)));
     examples.place_joints();
     Ok((Loaded { examples, clips, warnings }, fps))
+}
+
+/// Identity, as a matrix of a file.
+const STILL: [f64; 16] =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// Reads the joints, and the N x J matrices of their poses.
+fn read_joints(
+    archive: &mut Archive,
+    sidecar: &Sidecar,
+    frame_len: usize,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Skeleton, Vec<[f64; 16]>), Error> {
+    let Rows { lead, data: matrices } =
+        archive.required::<f64, 16>("bone_transforms", &[0, 4, 4])?;
+    same("frames", "vertices", frame_len, "bone_transforms", lead[0])?;
+    let joint_len = lead[1];
+    let names = match &sidecar.bone_names {
+        Some(names) => names.clone(),
+        None => archive.texts("bone_names")?.ok_or_else(|| missing("bone_names"))?,
+    };
+    same("joints", "bone_names", names.len(), "bone_transforms", joint_len)?;
+    let (parents, roots) = read_parents(archive, sidecar, &names, warnings)?;
+    let frames = archive.rows::<f64, 16>("joint_world_rest", &[4, 4])?;
+    let rest = match &frames {
+        Some(frames) => {
+            same("joints", "bone_names", joint_len, "joint_world_rest", frames.data.len())?;
+            affine(&frames.data, None, &names)?
+        }
+        None => vec![translation([0.0; 3]); joint_len],
+    };
+    let mut skeleton = Skeleton { names, parents, roots, rest, ..Skeleton::default() };
+    if frames.is_none() {
+        place(&mut skeleton, sidecar)?;
+    }
+    Ok((skeleton, matrices))
 }
 
 /// Creates the error of a file of posed meshes that is given as a scene.
@@ -260,7 +287,7 @@ fn affine(
         let frame = frames.map(|_| number / names.len());
         let read = frames.is_none_or(|split| split[number / names.len()] == Split::Train);
         if deviation > REPAIRABLE && read {
-            return Err(not_rigid(&names[number % names.len()], &Distortion::Projects, frame));
+            return Err(distorted(&names[number % names.len()], &Distortion::Projects, frame));
         }
         maps.push([row(0), row(1), row(2)]);
     }

@@ -21,10 +21,14 @@ use std::path::Path;
 /// # Errors
 /// A file cannot be written; the error names the file.
 pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), Error> {
-    let sidecar = json!({
-        "bone_names": examples.skeleton.names,
-        "bone_parents": parent_numbers(examples),
-    });
+    let mut sidecar = json!({});
+    if !examples.skeleton.is_still {
+        sidecar["bone_names"] = json!(examples.skeleton.names);
+        sidecar["bone_parents"] = json!(parent_numbers(examples));
+    }
+    if !examples.curve_names.is_empty() {
+        sidecar["curve_names"] = json!(examples.curve_names);
+    }
     replace(&path.with_extension("json"), |file| {
         let mut file = BufWriter::new(file);
         serde_json::to_writer_pretty(&mut file, &sidecar)?;
@@ -36,7 +40,7 @@ pub fn save_npz(path: &Path, examples: &Examples, clips: &[Clip]) -> Result<(), 
 
 fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()> {
     let (v, n) = (examples.vertex_len() as u64, examples.frame_len() as u64);
-    let (j, t) = (examples.joint_len() as u64, examples.triangles.len() as u64);
+    let t = examples.triangles.len() as u64;
     let mut archive = Writer::new(file);
     archive.numbers("rest", &[v, 3], examples.rest.as_flattened().iter().copied())?;
     let corners = examples.triangles.as_flattened().iter().map(|&vertex| vertex as i64);
@@ -51,16 +55,25 @@ fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()>
             archive.numbers("tris_uv", &[t, 3], corners)?;
         }
     }
-    archive.numbers("bone_parents", &[j], parent_numbers(examples).into_iter())?;
-    archive.texts("bone_names", &examples.skeleton.names)?;
-    archive.numbers("joint_world_rest", &[j, 4, 4], square(&examples.skeleton.rest))?;
+    if !examples.skeleton.is_still {
+        let j = examples.joint_len() as u64;
+        archive.numbers("bone_parents", &[j], parent_numbers(examples).into_iter())?;
+        archive.texts("bone_names", &examples.skeleton.names)?;
+        archive.numbers("joint_world_rest", &[j, 4, 4], square(&examples.skeleton.rest))?;
+        if let Some(weights) = &examples.joint_weights {
+            archive.numbers("joint_weights", &[v, j], weights.iter().copied())?;
+        }
+        archive.numbers("bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
+    }
+    if !examples.curve_names.is_empty() {
+        let c = examples.curve_names.len() as u64;
+        archive.texts("curve_names", &examples.curve_names)?;
+        archive.numbers("curves", &[n, c], examples.curves.iter().copied())?;
+    }
     archive.numbers("split", &[n], examples.split.iter().map(|&split| split as u8))?;
     write_clips(&mut archive, clips)?;
     let meshes = examples.ranges.iter().map(|(name, range)| (name, range.start));
     write_runs(&mut archive, &MESHES, meshes)?;
-    if let Some(weights) = &examples.joint_weights {
-        archive.numbers("joint_weights", &[v, j], weights.iter().copied())?;
-    }
     if let Some(importance) = &examples.importance {
         archive.numbers("importance", &[v], importance.iter().copied())?;
     }
@@ -79,7 +92,6 @@ fn write(file: &mut File, examples: &Examples, clips: &[Clip]) -> io::Result<()>
     if let Some(metres) = unit {
         archive.numbers("unit", &[], [metres].into_iter())?;
     }
-    archive.numbers("bone_transforms", &[n, j, 4, 4], square(&examples.transforms))?;
     archive.numbers("vertices", &[n, v, 3], examples.vertices.as_flattened().iter().copied())?;
     archive.finish()
 }

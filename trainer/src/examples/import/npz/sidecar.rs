@@ -14,6 +14,8 @@ pub(super) struct Sidecar {
     pub(super) bone_names: Option<Vec<String>>,
     /// Parents of joints, J; `null` or -1 is a root.
     pub(super) bone_parents: Option<Vec<Option<Parent>>>,
+    /// Names of curves, C.
+    pub(super) curve_names: Option<Vec<String>>,
     /// Rest origins in model space, by joint name.
     pub(super) joint_rest_positions: BTreeMap<String, [f64; 3]>,
     /// Names of clips, C.

@@ -184,18 +184,25 @@ fn triangles_without_area_are_listed_unless_all_are() {
 }
 
 #[test]
-fn maps_that_are_not_rigid_are_refused_and_near_ones_reported() {
+fn mirrored_and_flat_maps_are_refused_and_stretched_ones_taken() {
     let tip_in_frame_1 = 32 + 16;
-    // Scale, shear, reflection, singular matrix, and a last row other than 0 0 0 1.
-    for (place, number) in [(0, 1.5), (1, 0.05), (0, -1.0), (5, 0.0), (12, 0.1), (15, 2.0)] {
+    // Reflection, singular matrix, and a last row other than 0 0 0 1.
+    for (place, number) in [(0, -1.0), (5, 0.0), (12, 0.1), (15, 2.0)] {
         let fault =
             Set::good().real("bone_transforms", tip_in_frame_1 + place, number).fault("rigid");
         let words = match (place, number) {
             (12 | 15, _) => "joint tip has a matrix whose last row is not 0 0 0 1: ",
             (_, -1.0) => "joint tip is mirrored: ",
-            _ => "joint tip is scaled or sheared, by ",
+            _ => "joint tip is scaled to 0: ",
         };
         assert!(fault.frame() == Some(1) && fault.message().starts_with(words), "{fault}");
+    }
+    // Scale and shear.
+    for (place, number) in [(0, 1.5), (1, 0.05)] {
+        let set = Set::good().real("bone_transforms", tip_in_frame_1 + place, number);
+        let loaded = set.load("stretched").unwrap();
+        assert_eq!(loaded.examples.stretching_joints(), [false, true]);
+        assert_eq!(loaded.warnings, []);
     }
     let loaded = Set::good().real("bone_transforms", tip_in_frame_1, 1.001).load("near").unwrap();
     let [Warning::NonRigidJoint { joint, matrix_len: 1, worst_frame: Some(1), deviation, .. }] =

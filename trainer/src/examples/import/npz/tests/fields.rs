@@ -85,7 +85,7 @@ fn errors_and_warnings_name_frames_by_their_source_number() {
     let found = fault(clips().real("vertices", 15 + 3, 1e30));
     let words = "array vertices exceeds 1e9, the most a model can hold, at vertex 1";
     assert_eq!((found.frame(), found.message()), (Some(2), words));
-    for (place, number) in [(0, 1.5), (15, 2.0)] {
+    for (place, number) in [(0, -1.0), (15, 2.0)] {
         let found = fault(clips().real("bone_transforms", 32 + 16 + place, number));
         assert_eq!(found.frame(), Some(2));
         assert!(found.message().starts_with("joint tip "), "{found}");

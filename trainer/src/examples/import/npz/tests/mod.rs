@@ -274,10 +274,10 @@ fn noise_in_held_out_frames_loads() {
     }
     let loaded = set.load("noise").unwrap();
     assert!(matches!(loaded.warnings[..], [Warning::NonRigidJoint { matrix_len: 2, .. }, _]));
-    let fault = loaded.examples.check_rigid_in(&[0, 3]).unwrap_err();
+    let fault = loaded.examples.check_poses(&[0, 3]).unwrap_err();
     assert_eq!((fault.kind(), fault.frame()), (ErrorKind::Value, Some(3)), "{fault}");
     assert!(fault.message().starts_with("joint root is "), "{fault}");
-    assert!(loaded.examples.check_rigid_in(&[0, 1]).is_ok());
+    assert!(loaded.examples.check_poses(&[0, 1]).is_ok());
 }
 
 /// Creates the valid set with a UV seam along the edge from 1 to 2, between the quad and the triangle.
