@@ -1,9 +1,9 @@
 //! Data shared by the parts of a check: training frames, LBS residuals, and distances between poses.
 
 use super::finding::{FrameName, Place};
-use super::thresholds::SLIDE;
+use super::thresholds::{CURVE, SLIDE};
 use crate::envelope::correction::features::Features;
-use crate::envelope::lbs::poses::Poses;
+use crate::envelope::lbs::poses::{EQUAL, Poses};
 use crate::envelope::lbs::training::{Residuals, Training};
 use crate::examples::{Clip, Examples};
 use crate::space::beside;
@@ -100,10 +100,12 @@ pub(super) fn worst_first(
     sorted.into_iter().map(|(_, index)| index).collect()
 }
 
-/// Each joint of each pose, relative to its parent; the identity at rest.
+/// Each joint of each pose, relative to its parent, the identity at rest; and the curves.
 pub(super) struct Turns {
     joint_len: usize,
     all: Vec<Turn>,
+    /// Curves in degrees, in each pose.
+    curves: Vec<Vec<f64>>,
 }
 
 /// One joint, relative to its parent.
@@ -122,12 +124,20 @@ impl Turns {
             let rotation = Rotation3::from_matrix_unchecked(rotation);
             Turn { rotation: UnitQuaternion::from_rotation_matrix(&rotation), slide }
         };
-        Self { joint_len, all: (0..poses.len() * joint_len).map(of).collect() }
+        let curves = |pose: usize| {
+            let ranges = poses.curves(pose).iter().zip(poses.curve_ranges());
+            ranges.map(|(value, [least, most])| CURVE * value / (most - least).max(EQUAL)).collect()
+        };
+        Self {
+            joint_len,
+            all: (0..poses.len() * joint_len).map(of).collect(),
+            curves: (0..poses.len()).map(curves).collect(),
+        }
     }
 
     /// Returns the number of poses.
     pub(super) fn len(&self) -> usize {
-        self.all.len() / self.joint_len
+        self.curves.len()
     }
 
     pub(super) fn of(&self, pose: usize, joint: usize) -> &Turn {
@@ -151,11 +161,13 @@ impl Turns {
         bends.get((9 * bends.len() / 10).min(bends.len().saturating_sub(1))).copied().unwrap_or(0.0)
     }
 
-    /// Returns the largest distance between the joints of two poses, in degrees; infinity beyond `most`.
+    /// Returns the largest distance between the joints and curves of two poses, in degrees; infinity beyond `most`.
     pub(super) fn distance(&self, a: usize, b: usize, most: f64) -> f64 {
+        let joints = (0..self.joint_len).map(|joint| self.of(a, joint).gap(self.of(b, joint)));
+        let curves = self.curves[a].iter().zip(&self.curves[b]).map(|(a, b)| (a - b).abs());
         let mut largest: f64 = 0.0;
-        for joint in 0..self.joint_len {
-            largest = largest.max(self.of(a, joint).gap(self.of(b, joint)));
+        for gap in joints.chain(curves) {
+            largest = largest.max(gap);
             if largest > most {
                 return f64::INFINITY;
             }

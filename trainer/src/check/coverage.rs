@@ -1,11 +1,12 @@
-//! Range of each joint in the training poses, and other frames that leave the range.
+//! Range of each joint and curve in the training poses, and other frames that leave the range.
 
 use super::context::{Context, Turn, Turns, worst_first};
 use super::finding::FrameName;
-use super::thresholds::{BENT, DISTINCT, LARGE_BEND, OUTSIDE_RANGE, SLIDE, STILL};
+use super::thresholds::{BENT, DISTINCT, LARGE_BEND, OUTSIDE_CURVE, OUTSIDE_RANGE, SLIDE, STILL};
 use crate::envelope::correction::features::Features;
 use crate::envelope::lbs::poses::Poses;
 use crate::examples::Split;
+use crate::numeric::affine::Strain;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -32,6 +33,8 @@ pub struct Coverage {
     pub swing: f64,
     /// Largest displacement of the joint's origin, in % of the diagonal.
     pub slide_percent: f64,
+    /// Least and greatest factor of length, along any direction; 1 and 1 if the joint does not stretch.
+    pub stretch: [f64; 2],
     /// Number of poses that differ by more than a tenth of the largest angle.
     pub distinct: usize,
     /// Held-out and extreme frames that bend the joint outside the trained range.
@@ -45,6 +48,22 @@ pub struct FrameOutside {
     pub frame: FrameName,
     /// Distance of the nearest training frame, in degrees.
     pub degrees: f64,
+}
+
+/// Range of a curve in the training poses.
+#[derive(Clone, Debug, Serialize)]
+pub struct CurveCoverage {
+    /// Name of the curve.
+    pub curve: String,
+    /// Least and greatest value.
+    pub range: [f64; 2],
+    /// Number of values that differ by more than a tenth of the range.
+    pub distinct: usize,
+    /// Number of held-out and extreme frames whose value lies outside the range by more than a tenth of it.
+    pub beyond: usize,
+    /// Share of the skin's motion beyond LBS that a line in this curve alone explains, in % of the squared motion about
+    /// its mean. Shares of curves that move together overlap.
+    pub explained_percent: f64,
 }
 
 /// A joint and its parent that both move a lot, but never together in training.
@@ -72,8 +91,8 @@ pub(super) fn coverage(context: &Context<'_>) -> Vec<Coverage> {
     let poses = poses.local((context.training.centre, context.training.unit));
     let others = (others, Turns::new(&poses, Features::of(context.training)));
     let skins = context.lbs_residuals().skins();
-    let joints = (0..context.examples.joint_len()).into_par_iter();
-    joints.map(|joint| of(context, joint, &skins[joint], &others)).collect()
+    let joints = 0..if context.examples.skeleton.is_still { 0 } else { skins.len() };
+    joints.into_par_iter().map(|joint| of(context, joint, &skins[joint], &others)).collect()
 }
 
 fn of(
@@ -100,6 +119,7 @@ fn of(
         .collect();
     beyond.sort_by(|a, b| b.degrees.total_cmp(&a.degrees));
     let lbs_percent = 100.0 * context.rms_of(skin);
+    let poses = &context.training.poses;
     Coverage {
         joint: context.joint(joint).to_owned(),
         vertices: skin.len(),
@@ -110,9 +130,67 @@ fn of(
         twist: [least(&mut twists()), twists().fold(f64::NEG_INFINITY, f64::max)],
         swing: most(&mut about.iter().map(|(_, swing)| *swing)),
         slide_percent: 100.0 * most(&mut training.iter().map(|turn| turn.slide.norm())),
+        stretch: stretch((0..poses.len()).map(|pose| poses.strain(pose, joint))),
         distinct: distinct(&training, DISTINCT * context.turns.largest_bend(joint)),
         beyond,
     }
+}
+
+/// Measures every curve, in order.
+pub(super) fn curves(context: &Context<'_>) -> Vec<CurveCoverage> {
+    let (examples, poses) = (context.examples, &context.training.poses);
+    let others = || (0..examples.frame_len()).filter(|&f| examples.split[f] != Split::Train);
+    let of = |(at, name): (usize, &String)| {
+        let [least, most] = poses.curve_ranges()[at];
+        let values: Vec<f64> = (0..poses.len()).map(|pose| poses.curves(pose)[at]).collect();
+        let beyond = |&frame: &usize| {
+            let value = examples.curves_of(frame)[at];
+            (least - value).max(value - most) > OUTSIDE_CURVE * (most - least)
+        };
+        let mut kept: Vec<f64> = Vec::new();
+        for &value in &values {
+            if kept.iter().all(|other| (other - value).abs() > DISTINCT * (most - least)) {
+                kept.push(value);
+            }
+        }
+        CurveCoverage {
+            curve: name.clone(),
+            range: [least, most],
+            distinct: kept.len(),
+            beyond: others().filter(beyond).count(),
+            explained_percent: 100.0 * explained(context, &values),
+        }
+    };
+    examples.curve_names.iter().enumerate().collect::<Vec<_>>().into_par_iter().map(of).collect()
+}
+
+/// Returns the share of the squared LBS residuals about their means that a line in some values explains.
+fn explained(context: &Context<'_>, values: &[f64]) -> f64 {
+    let len = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / len;
+    let size: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let (mut along, mut all) = (0.0, 0.0);
+    for vertex in 0..context.dominant.len() {
+        let column = context.residuals.col_as_slice(vertex);
+        for axis in 0..3 {
+            let entries = || column.iter().skip(axis).step_by(3);
+            let centre = entries().sum::<f64>() / len;
+            let product: f64 = entries().zip(values).map(|(r, value)| r * (value - mean)).sum();
+            along += product * product;
+            all += entries().map(|r| (r - centre).powi(2)).sum::<f64>();
+        }
+    }
+    if size > 0.0 && all > 0.0 { along / (size * all) } else { 0.0 }
+}
+
+/// Returns the least and the greatest factor of length of strains: the strain of a direction with the factor s is
+/// (s² - 1) / 2.
+fn stretch(strains: impl Iterator<Item = Strain>) -> [f64; 2] {
+    strains.fold([1.0, 1.0], |[least, most], [xx, xy, xz, yy, yz, zz]| {
+        let strains = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues();
+        let factor = |strain: f64| (1.0 + 2.0 * strain).max(0.0).sqrt();
+        [least.min(factor(strains.min())), most.max(factor(strains.max()))]
+    })
 }
 
 /// Returns the axis of most of the rotation, with a positive sum of angles.

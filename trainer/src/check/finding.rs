@@ -86,6 +86,8 @@ pub enum Kind {
     Broken,
     /// All training frames are one pose.
     OnePose,
+    /// The poses do not explain the skin.
+    Unexplained,
 }
 
 impl Kind {
@@ -118,7 +120,8 @@ impl Kind {
             | Self::WrongClip
             | Self::UnlikeClips
             | Self::Broken
-            | Self::OnePose => Topic::Frames,
+            | Self::OnePose
+            | Self::Unexplained => Topic::Frames,
         }
     }
 }

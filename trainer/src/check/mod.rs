@@ -41,6 +41,8 @@ pub struct Check {
     pub lbs: Floor,
     /// Range of every joint except the reference root.
     pub joints: Vec<coverage::Coverage>,
+    /// Range of every curve.
+    pub curves: Vec<coverage::CurveCoverage>,
     /// Joints that never bend together with their parents.
     pub never_together: Vec<coverage::JointPair>,
     /// How well the training poses predict each other; `None` if LBS is exact or no joint moves.
@@ -102,7 +104,12 @@ pub fn judge<'a>(
     let mut left_out: Vec<usize> = given.left_out().iter().map(|of| of.frame).collect();
     left_out.sort_unstable();
     // Late meshes would cause other findings too, so the rest of the check uses the meshes in step.
-    let in_step = step::steps(examples, clips, &left_out, &mut findings);
+    // A single joint does not show the motion of a mesh that curves drive.
+    let is_face = examples.joint_len() == 1 && !examples.curve_names.is_empty();
+    let in_step = match is_face {
+        true => None,
+        false => step::steps(examples, clips, &left_out, &mut findings),
+    };
     let stepped;
     let inliers = match &in_step {
         Some(in_step) => {
@@ -159,9 +166,11 @@ pub fn judge<'a>(
     frames::repeats(all, &mut findings);
     findings.extend(broken);
     let joints = coverage::coverage(&context);
+    let curves = coverage::curves(&context);
     let never_together = coverage::never_together(&context);
     progress.step("poses", 1);
     let mut predicted = redundancy::predict(&context);
+    findings.extend(predicted.as_ref().and_then(redundancy::unexplained));
     if let Some(predicted) = &mut predicted {
         predicted.isolated.retain(|pose| !wrong.contains(&pose.frame.frame));
     }
@@ -172,8 +181,18 @@ pub fn judge<'a>(
         // Where LBS is exact, more poses teach nothing.
         false => Vec::new(),
     };
-    let check =
-        Check { size, rest, faces, lbs, advice, joints, never_together, predicted, findings };
+    let check = Check {
+        size,
+        rest,
+        faces,
+        lbs,
+        joints,
+        curves,
+        never_together,
+        predicted,
+        findings,
+        advice,
+    };
     Ok((check, given))
 }
 

@@ -1,8 +1,8 @@
 //! Poses that the other poses make redundant, and isolated poses.
 
 use super::context::{Context, worst_first};
-use super::finding::FrameName;
-use super::thresholds::{ISOLATED, NEGLIGIBLE, REDUNDANT, VISIBLE};
+use super::finding::{Finding, FrameName, Kind};
+use super::thresholds::{ISOLATED, NEGLIGIBLE, REDUNDANT, UNEXPLAINED, VISIBLE};
 use crate::envelope::clean::{Region, compared, regions};
 use crate::regression::gram::SampleErrors;
 use rayon::prelude::*;
@@ -58,6 +58,19 @@ pub struct Isolated {
     /// The error in millimetres; `None` if the unit is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mm: Option<f64>,
+}
+
+/// Warns of a skin that the poses do not explain.
+pub(super) fn unexplained(predicted: &Predicted) -> Option<Finding> {
+    let Predicted { lbs_percent, expected_percent, .. } = predicted;
+    let text = format!(
+        "the pose does not explain the skin: frames predicted by the others have {:.0} % of the error of LBS; \
+         something else moves the skin (curves that training does not read, a simulation, another take), or too few \
+         frames have similar poses: give the curves that drive it, or add frames",
+        100.0 * expected_percent / lbs_percent
+    );
+    (*expected_percent > UNEXPLAINED * lbs_percent)
+        .then(|| Finding::warning(Kind::Unexplained, text, Vec::new()))
 }
 
 /// Compares the training poses; `None` if LBS is exact or no joint moves.

@@ -85,6 +85,16 @@ pub const SHIFT_RUN: f64 = 3.0;
 /// distance is three times the spacing at which a kernel map still follows a muscle.
 pub const OUTSIDE_RANGE: f64 = 15.0;
 
+/// Distance of a value from a curve's trained range, as a share of the range, above which a frame is outside.
+pub const OUTSIDE_CURVE: f64 = 0.1;
+
+/// Angle in degrees that weighs as much as a curve's whole range. Poses of one curve value then agree within 0.6 % of
+/// the range.
+pub const CURVE: f64 = 90.0;
+
+/// The poses do not explain the skin if frames predicted by the others have more than this share of the error of LBS.
+pub const UNEXPLAINED: f64 = 0.9;
+
 /// Angle in degrees above which a joint moves a lot. Below this angle LBS is accurate.
 pub const LARGE_BEND: f64 = 30.0;
 

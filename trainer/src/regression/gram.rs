@@ -10,7 +10,7 @@ use faer::{Mat, Side};
 use sinew_runtime::envelope::GroupKernel;
 
 /// Candidate ridges, as shares of the kernel's mean diagonal: a ridge chosen on some samples then holds for all.
-const RIDGES: [f64; 3] = [1e-5, 1e-4, 1e-3];
+const RIDGES: [f64; 5] = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
 /// Regression of n samples on each other, with the residuals of the samples.
 pub struct GramRegression {

@@ -1,7 +1,8 @@
 //! Checks of the range of the poses, and of redundant poses.
 
 use super::made::{Bend, bends, chain, check};
-use sinew_trainer::examples::Split;
+use sinew_trainer::check::finding::Kind;
+use sinew_trainer::examples::{Examples, Split};
 
 #[test]
 fn the_range_of_a_hinge_is_measured_in_degrees() {
@@ -67,4 +68,72 @@ fn a_pose_apart_is_isolated_and_poses_between_others_are_redundant() {
     assert!(found.redundant.iter().all(|frame| frame.frame != 31));
     let all = found.enough.len() + found.redundant.len();
     assert_eq!((all, found.compared), (32, 32));
+}
+
+/// Makes a still chain whose curves `swell` and `other` go through all pairs of five values. `swell` alone moves the skin.
+fn swelling_by_curve() -> Examples {
+    let mut examples = chain(&[([0.0; 2], Split::Train); 25]);
+    examples.curve_names = ["swell", "other"].map(str::to_owned).into();
+    let values = [0.0, 0.25, 0.5, 0.75, 1.0];
+    examples.curves =
+        values.iter().flat_map(|a| values.iter().flat_map(move |b| [*a, *b])).collect();
+    let rest = examples.rest.clone();
+    for (frame, mesh) in examples.vertices.chunks_mut(rest.len()).enumerate() {
+        let swell = examples.curves[2 * frame];
+        mesh.iter_mut().zip(&rest).for_each(|(x, rest)| x[2] = rest[2] * (1.0 + swell * rest[0]));
+    }
+    examples
+}
+
+#[test]
+fn a_curve_has_a_range_and_a_share_of_the_motion() {
+    let mut examples = swelling_by_curve();
+    examples.split[24] = Split::HeldOut;
+    examples.curves[48] = 1.2;
+    let found = check(&examples);
+    let [swell, other] = &found.curves[..] else { panic!("two curves") };
+    assert_eq!((swell.curve.as_str(), swell.range, swell.distinct), ("swell", [0.0, 1.0], 5));
+    assert_eq!([swell.beyond, other.beyond], [1, 0]);
+    assert!(swell.explained_percent > 99.9, "{found:?}");
+    assert!(other.explained_percent < 2.0, "{found:?}");
+    // Frames of one pose differ by their curves.
+    assert!(found.find(Kind::Repeated).is_none() && found.find(Kind::Contradicting).is_none());
+}
+
+#[test]
+fn a_skin_that_the_pose_does_not_explain_is_warned_of() {
+    // The curve takes its values in an order that the joints do not have.
+    let unlike = |curves: bool| {
+        let bend =
+            |k: usize| ([3.0 * (k * 7 % 25) as f64, 2.0 * (k * 11 % 25) as f64], Split::Train);
+        let bends: Vec<Bend> = (0..25).map(bend).collect();
+        let (moved, mut examples) = (swelling_by_curve(), chain(&bends));
+        for (x, swollen) in examples.vertices.iter_mut().zip(&moved.vertices) {
+            x[2] += 0.5 * swollen[2];
+        }
+        if curves {
+            examples.curve_names = moved.curve_names;
+            examples.curves = moved.curves;
+        }
+        check(&examples)
+    };
+    let found = unlike(false);
+    let warning = found.find(Kind::Unexplained).expect("a warning");
+    assert!(warning.text.starts_with("the pose does not explain the skin: "), "{}", warning.text);
+    assert!(unlike(true).find(Kind::Unexplained).is_none());
+}
+
+#[test]
+fn a_joint_that_stretches_has_its_factors() {
+    let mut examples = chain(&bends());
+    for frame in 0..examples.frame_len() {
+        let by = 1.0 + 0.02 * frame as f64;
+        let joints = examples.joint_len();
+        let map = &mut examples.transforms[joints * frame + 2];
+        map.iter_mut().for_each(|row| row[1] *= by);
+    }
+    let found = check(&examples);
+    assert_eq!(found.joints[1].stretch, [1.0, 1.0]);
+    let [least, most] = found.joints[2].stretch;
+    assert!((least - 1.0).abs() < 1e-9 && (most - 1.48).abs() < 1e-9, "{least} {most}");
 }

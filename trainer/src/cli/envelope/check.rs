@@ -1,6 +1,6 @@
 //! `sinew check`: faults and gaps of examples, before a training.
 
-use crate::check::coverage::Coverage;
+use crate::check::coverage::{Coverage, CurveCoverage};
 use crate::check::finding::{Severity, Topic, short};
 use crate::check::redundancy::Predicted;
 use crate::check::{Check, check};
@@ -25,8 +25,10 @@ use sinew_runtime::format::Space;
     after_help = "Errors are in % of the rest pose's diagonal. Of held-out and extreme frames, \
     only the poses are read.\n\
     The table: number of vertices that follow each joint most; rotation from rest against its parent, about the main \
-    axis and beside it; slide; number of distinct poses; number of held-out or extreme frames beyond them by more than \
-    15°; error of linear blend skinning at its vertices.\n\
+    axis and beside it; slide; factors of length, if a joint stretches; number of distinct poses; number of held-out or \
+    extreme frames beyond them by more than 15°; error of linear blend skinning at its vertices.\n\
+    The table of curves: range; number of distinct values; number of held-out or extreme frames beyond the range by more \
+    than a tenth of it; share of the motion beyond linear blend skinning that a line in this curve alone explains.\n\
     LBS, fitted: linear blend skinning with 4 weights a vertex, fitted to the training frames. Own weights: all weights \
     that come with the mesh; a vertex without weights takes the fitted ones.\n\n\
     Example:\n  sinew check walk.glb --targets walk.abc"
@@ -36,7 +38,7 @@ pub(in crate::cli) struct CheckArgs {
     input: input::ExampleArguments,
 }
 
-/// Maximum number of joints in the table; `--json` has all.
+/// Maximum number of joints, and of curves, in the tables; `--json` has all.
 const ROWS: usize = 16;
 
 impl Run for CheckArgs {
@@ -64,7 +66,7 @@ fn describe(check: &Check, space: &Space, printed: &[&Warning]) -> String {
     ] {
         out += &section(check, topic, title, &facts);
     }
-    out = wrapped(&out) + &joints(check) + &wrapped(&errors(check));
+    out = wrapped(&out) + &joints(check) + &curves(check) + &wrapped(&errors(check));
     if let Some(predicted) = &check.predicted {
         out += &wrapped(&poses(predicted));
     }
@@ -135,9 +137,14 @@ fn faces(check: &Check) -> String {
 
 /// Writes the table of joints, beginning with the largest errors of LBS.
 fn joints(check: &Check) -> String {
+    if check.joints.is_empty() {
+        return String::new();
+    }
     let mut rows: Vec<&Coverage> = check.joints.iter().collect();
     rows.sort_by(|a, b| b.lbs_percent.total_cmp(&a.lbs_percent));
+    let stretches = check.joints.iter().any(|joint| joint.stretch != [1.0, 1.0]);
     let mut head = ["joint", "vertices", "turns by", "beside", "slides"].to_vec();
+    head.extend(stretches.then_some("stretches"));
     head.extend(["poses", "beyond", "LBS, %"]);
     head.extend(check.lbs.rms_mm.map(|_| "LBS, mm"));
     let cells = |row: &&Coverage| {
@@ -152,16 +159,44 @@ fn joints(check: &Check) -> String {
             format!("{least:.0} to {most:.0}°"),
             format!("{:.0}°", row.swing),
             slides,
-            row.distinct.to_string(),
-            row.beyond.len().to_string(),
-            format!("{:.4}", row.lbs_percent),
         ];
+        cells.extend(stretches.then(|| match row.stretch {
+            [1.0, 1.0] => "-".to_owned(),
+            [least, most] => format!("{least:.2} to {most:.2}"),
+        }));
+        cells.extend([row.distinct.to_string(), row.beyond.len().to_string()]);
+        cells.push(format!("{:.4}", row.lbs_percent));
         cells.extend(row.lbs_mm.map(written));
         cells
     };
     let mut out = table(&head, rows.iter().take(ROWS).map(cells).collect());
     if rows.len() > ROWS {
         out += &format!("and {} more with less error\n", rows.len() - ROWS);
+    }
+    out
+}
+
+/// Writes the table of curves, beginning with the curves that explain most.
+fn curves(check: &Check) -> String {
+    if check.curves.is_empty() {
+        return String::new();
+    }
+    let mut rows: Vec<&CurveCoverage> = check.curves.iter().collect();
+    rows.sort_by(|a, b| b.explained_percent.total_cmp(&a.explained_percent));
+    let cells = |row: &&CurveCoverage| {
+        let [least, most] = row.range;
+        vec![
+            row.curve.clone(),
+            format!("{least:.2} to {most:.2}"),
+            row.distinct.to_string(),
+            row.beyond.to_string(),
+            format!("{:.1} %", row.explained_percent),
+        ]
+    };
+    let head = ["curve", "range", "values", "beyond", "explains"];
+    let mut out = table(&head, rows.iter().take(ROWS).map(cells).collect());
+    if rows.len() > ROWS {
+        out += &format!("and {} more that explain less\n", rows.len() - ROWS);
     }
     out
 }

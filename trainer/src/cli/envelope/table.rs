@@ -43,7 +43,9 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     let best = report.candidates.iter().filter_map(|candidate| candidate.validated_rms);
     let best = best.min_by(f64::total_cmp).unwrap_or_default();
     let validated = report.chosen().validated_rms.unwrap_or_default();
-    if validated > TIED * best.max(UNSEEN) {
+    if report.refused.is_some() {
+        out += "helpers are worse than LBS on clips left out: LBS is taken\n";
+    } else if validated > TIED * best.max(UNSEEN) {
         out += &format!(
             "the candidate with the least error lacks tangent coefficients, which make normals right: one\n\
              that has them is taken unless its error is {COEFFICIENTS_COST} times as large\n"

@@ -6,9 +6,10 @@ use crate::check::finding::{Finding, Kind, Severity};
 use crate::check::judge;
 use crate::cli::arguments::TargetSpace;
 use crate::cli::{
-    Bars, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, count, files, input, number,
-    space_as_json,
+    Bars, Output, OutputFile, POSITIVE, Report, Run, StatedSpace, count, counted, files, input,
+    number, space_as_json,
 };
+use crate::envelope::choose::report::TrainingReport;
 use crate::envelope::clean::Inliers;
 use crate::envelope::lbs::blend::CANDIDATES;
 use crate::envelope::levels::check_places;
@@ -249,13 +250,21 @@ impl Run for Train {
             output.warn(&source, &finding.text);
             recorded.push(finding.text.clone());
         }
+        if jumps && !examples.curve_names.is_empty() {
+            let curves = counted(examples.curve_names.len(), "curve", "curves");
+            let text =
+                format!("the predictor rotational follows joints alone and leaves out {curves}");
+            output.warn(&source, &text);
+            recorded.push(text);
+        }
         let Trained { model: bytes, report, levels } =
             self.fit.train(sound, &source, meshes, output)?;
         let diagonal_mm = examples.diagonal_mm();
         levels::warn(&levels, also, diagonal_mm, output);
         let (lbs, forecast) = (100.0 * report.lbs_rms, 100.0 * report.same_clips_rms);
         let is_known = warnings.contains(&Warning::PlainSkin);
-        if let Some(text) = no_gain(forecast, lbs, diagonal_mm, is_known) {
+        let warning = refused(&report).or_else(|| no_gain(forecast, lbs, diagonal_mm, is_known));
+        if let Some(text) = warning {
             output.warn(&source, &text);
             recorded.push(text);
         }
@@ -332,6 +341,18 @@ fn is_printed(finding: &Finding) -> bool {
         Kind::NoArea => true,
         _ => finding.severity == Severity::Warning,
     }
+}
+
+/// Returns a warning of helpers that lose to LBS on other clips.
+fn refused(report: &TrainingReport) -> Option<String> {
+    let refused = report.refused?;
+    let (percent, helpers) =
+        (100.0 * refused.other_clip_rms, report.candidates[refused.candidate].proxies);
+    Some(format!(
+        "helpers are worse than linear blend skinning on clips left out, off by {percent:.4} % of the diagonal, so the \
+         model has none: the pose does not explain the skin. Give the curves that move it, or more clips; \
+         `--helpers {helpers}` keeps the helpers"
+    ))
 }
 
 /// Returns a warning if a model gains nothing over LBS.

@@ -30,10 +30,11 @@ pub(super) fn proxy_counts(training: &Training, options: &Options) -> Vec<ProxyC
     counts
 }
 
-/// Returns the usual number of proxies. It is at least the number of joints. So proxies without joints reach the error
-/// of LBS.
+/// Returns the usual number of proxies. It is at least the number of joints and curves. So proxies without joints reach
+/// the error of LBS.
 pub(super) fn usual_count(training: &Training) -> usize {
-    training.poses.joint_len().max(PROXIES).min(proxies_max(training))
+    let poses = &training.poses;
+    (poses.joint_len() + poses.curve_len()).max(PROXIES).min(proxies_max(training))
 }
 
 /// Returns the largest number of proxies that the mesh and a file allow.

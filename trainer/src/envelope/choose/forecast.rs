@@ -7,17 +7,32 @@ use crate::envelope::lbs::training::Training;
 use crate::regression::outputs::Block;
 use rayon::prelude::*;
 
-/// Repeats a fit without each block of poses in turn. Returns the RMS error over all blocks, in diagonals. Returns
-/// `None` if there are no blocks, or if a fit fails.
-///
-/// - `vertices`: the vertices that are fitted and measured.
-/// - `fit`: fits a model to a part of the training.
+/// Returns the RMS error of [`errors`] over all blocks, in diagonals. Returns `None` if there are no blocks, or if a fit
+/// fails.
 pub(super) fn forecast(
     training: &Training,
     vertices: &[usize],
     blocks: &[Block],
     fit: &(impl Fn(&Training) -> Option<Fitted> + Sync),
 ) -> Option<f64> {
+    let errors = errors(training, vertices, blocks, fit)?;
+    let poses: usize = blocks.iter().map(|block| block.own.len()).sum();
+    let of_block = |(rms, block): (&f64, &Block)| rms.powi(2) * block.own.len() as f64;
+    let sum: f64 = errors.iter().zip(blocks).map(of_block).sum();
+    (poses > 0).then(|| (sum / poses as f64).sqrt())
+}
+
+/// Repeats a fit without each block of poses in turn. Returns the RMS error of each block, in diagonals. Returns `None`
+/// if a fit fails.
+///
+/// - `vertices`: the vertices that are fitted and measured.
+/// - `fit`: fits a model to a part of the training.
+pub(super) fn errors(
+    training: &Training,
+    vertices: &[usize],
+    blocks: &[Block],
+    fit: &(impl Fn(&Training) -> Option<Fitted> + Sync),
+) -> Option<Vec<f64>> {
     let error = |block: &Block| {
         let part = training.part(vertices, &block.others(training.poses.len()));
         let Fitted { envelope, weights } = fit(&part)?;
@@ -28,11 +43,9 @@ pub(super) fn forecast(
             importance: part.importance(),
         };
         let palettes = envelope.palettes(&training.poses.only(&block.own));
-        Some(targets.rms(&palettes).powi(2) * block.own.len() as f64)
+        Some(targets.rms(&palettes))
     };
-    let errors = blocks.par_iter().map(error).collect::<Option<Vec<f64>>>()?;
-    let poses: usize = blocks.iter().map(|block| block.own.len()).sum();
-    (poses > 0).then(|| (errors.iter().sum::<f64>() / poses as f64).sqrt())
+    blocks.par_iter().map(error).collect()
 }
 
 #[cfg(test)]
@@ -68,6 +81,11 @@ mod tests {
         };
         let expected = (vertices.iter().map(squared).sum::<f64>() / (100.0 * 40.0)).sqrt();
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        let [first, second] = errors(&training, &vertices, &clips, &fit).unwrap()[..] else {
+            panic!("one error a clip")
+        };
+        let pooled = (15.0 * first.powi(2) + 25.0 * second.powi(2)) / 40.0;
+        assert!(first != second && (pooled.sqrt() / expected - 1.0).abs() < 1e-9);
         assert_eq!(forecast(&training, &vertices, &[], &fit), None);
     }
 }

@@ -26,8 +26,8 @@ use crate::settings::FEW_VERTICES;
 use budget::Budget;
 use candidates::{Candidate, chosen, proxies_max, proxy_counts, usual_count};
 use faer::Mat;
-use forecast::forecast;
-use report::{CandidateReport, TrainingReport};
+use forecast::{errors, forecast};
+use report::{CandidateReport, Refused, TrainingReport};
 use sinew_runtime::envelope::{Certificate, Predictor};
 
 /// Largest number of certainty values of a map under a budget. The confidence gets coarser, but more bytes are left for
@@ -268,7 +268,38 @@ impl PredictorSearch<'_> {
         self.reports.push(report);
     }
 
-    /// Forecasts the RMS error of the chosen model on more frames of the training clips, and on another clip.
+    /// Chooses a candidate. Returns it with its forecasts, and the candidate that another clip refused.
+    ///
+    /// Helpers whose forecast for another clip is worse than the forecast of plain LBS follow motion that the pose does
+    /// not explain. LBS is taken in their place. How much of such motion another clip has is unknown, so the worst clip
+    /// is the forecast.
+    fn chosen(&self) -> Option<(&Candidate, [Option<f64>; 2], Option<Refused>)> {
+        let best = chosen(&self.candidates, &self.reports)?;
+        let forecasts = self.forecasts(best);
+        let refused = || {
+            let helper_len = |candidate: &Candidate| candidate.fitted.envelope.proxy_len();
+            let is_plain = |other: &&Candidate| {
+                helper_len(other) == 0 && other.tangent_coefficients == best.tangent_coefficients
+            };
+            let plain = self.candidates.iter().find(is_plain).filter(|_| helper_len(best) > 0)?;
+            let (other_clip_rms, [same_clips, of_plain]) = (forecasts[1]?, self.forecasts(plain));
+            if of_plain? >= other_clip_rms {
+                return None;
+            }
+            let vertices = spread(self.training.rest.len(), FEW_VERTICES);
+            let fit = |part: &Training| Some(self.refit(part, 0, usize::MAX));
+            let errors = errors(self.training, &vertices, &self.training.folds().clips(), &fit)?;
+            let worst = errors.into_iter().reduce(f64::max);
+            Some((
+                plain,
+                [same_clips, worst],
+                Some(Refused { candidate: best.report, other_clip_rms }),
+            ))
+        };
+        refused().or(Some((best, forecasts, None)))
+    }
+
+    /// Forecasts the RMS error of a candidate on more frames of the training clips, and on another clip.
     fn forecasts(&self, chosen: &Candidate) -> [Option<f64>; 2] {
         let training = self.training;
         let folds = training.folds();
@@ -315,7 +346,7 @@ impl PredictorSearch<'_> {
     /// Bakes the best candidate and reports all candidates.
     fn take(self) -> Result<Trained, Error> {
         let (training, progress, lbs_rms) = (self.training, self.progress, self.lbs_rms);
-        let Some(chosen) = chosen(&self.candidates, &self.reports) else {
+        let Some((chosen, forecasts, refused)) = self.chosen() else {
             return Err(self.budget.exceeded());
         };
         let palette = chosen.fitted.envelope.palettes(&training.poses);
@@ -324,8 +355,7 @@ impl PredictorSearch<'_> {
         let base_rms = training.targets(&chosen.fitted.weights).rms(&base);
         // A forecast fits few vertices. With an equal number of helpers, few vertices have a smaller error than all
         // vertices.
-        let [same_clips, other_clip] =
-            self.forecasts(chosen).map(|rms| rms.map(|rms| rms.max(training_rms)));
+        let [same_clips, other_clip] = forecasts.map(|rms| rms.map(|rms| rms.max(training_rms)));
         let same_clips = same_clips.unwrap_or(chosen.validated_rms);
         let certificate = Certificate {
             training_rms: training_rms as f32,
@@ -362,6 +392,7 @@ impl PredictorSearch<'_> {
                 .map(|own| training.targets(&own).rms(&training.poses.stacked())),
             folds: training.folds().runs().iter().map(|fold| fold.own.clone()).collect(),
             chosen: chosen.report,
+            refused,
             training_rms,
             same_clips_rms: same_clips,
             other_clip_rms: other_clip,

@@ -21,6 +21,9 @@ pub struct TrainingReport {
     pub candidates: Vec<CandidateReport>,
     /// Index of the chosen candidate.
     pub chosen: usize,
+    /// The candidate with helpers that LBS replaces; `None` if no candidate was refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<Refused>,
     /// Error of the chosen model on the training frames.
     pub training_rms: f64,
     /// Forecast of the chosen model's error on more frames of the training clips.
@@ -31,6 +34,15 @@ pub struct TrainingReport {
     pub rotational: Option<RotationalReport>,
     /// Largest |θ_j| in the training poses, J values in radians.
     pub angle_ranges: Vec<f64>,
+}
+
+/// A candidate with helpers that loses to LBS on clips that were left out.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Refused {
+    /// Index of the candidate.
+    pub candidate: usize,
+    /// Forecast of its error on another clip.
+    pub other_clip_rms: f64,
 }
 
 /// Report of a candidate.

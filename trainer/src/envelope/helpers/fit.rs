@@ -16,6 +16,8 @@ use nalgebra::{Matrix3x4, Matrix4, Vector3};
 pub const STEP: &str = "helpers";
 /// Number of first rounds. In every third of them a vertex also chooses its transforms.
 const CHOICES: usize = 30;
+/// Factor of the first rounds for a skeleton of one joint: LBS has no motion there, so its weights are no start.
+const FROM_NOTHING: usize = 3;
 /// Number of last rounds, in which vertices keep their transforms.
 const ROUNDS: usize = 10;
 
@@ -226,7 +228,9 @@ impl<'a> Refit<'a> {
         let training = self.fit.training;
         let maps = training.basis().vectors.transpose() * maps;
         let momentum = training.settings.momentum;
-        let alternation = Alternation { choices: CHOICES, every: 3, rounds: ROUNDS, momentum };
+        let choices =
+            if training.poses.joint_len() == 1 { FROM_NOTHING * CHOICES } else { CHOICES };
+        let alternation = Alternation { choices, every: 3, rounds: ROUNDS, momentum };
         alternation.run(self, (&self.lbs, maps), influences, || ()).0
     }
 

@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Matrix3x4, Vector3};
 pub const MIN_POSES: usize = 6;
 /// Entries of joint transforms, with lengths in diagonals, are equal if they differ by at most this: such a motion is
 /// invisible. So are curves whose values differ by at most this.
-const EQUAL: f64 = 1e-4;
+pub const EQUAL: f64 = 1e-4;
 
 /// n poses of J joints, relative to the reference root.
 #[derive(Clone, Debug)]
