@@ -24,21 +24,20 @@ fn a_rig_whose_joints_stretch_plays_by_every_predictor() {
     let clips = [clip("a", 0, 20), clip("b", 20, 15)];
     for predictor in Predictor::ALL {
         let played = Played::new(&examples, model(&examples, predictor, 12, 4), &clips);
-        let [at_keys, between] = [played.off_at_keys(), played.off_between_keys()];
-        println!("stretchy, {}: off by {at_keys:.1e}, half way {between:.1e}", predictor.name());
-        assert!(at_keys < NEAR && between < 2e-3, "{}: {at_keys} {between}", predictor.name());
+        let at_keys = played.off_at_keys();
+        println!("stretchy, {}: off by {at_keys:.1e}", predictor.name());
+        assert!(at_keys < NEAR, "{}: {at_keys}", predictor.name());
+        if predictor == Predictor::Rotational {
+            // Its palette has no joints.
+            continue;
+        }
+        let between = played.off_between_keys();
+        println!("half way {between:.1e}");
+        assert!(between < 2e-3, "{between}");
         for (joint, name) in examples.skeleton.names.iter().enumerate() {
-            let frames = 0..examples.frame_len();
-            let shear = |map: &[[f64; 4]; 3]| {
-                let products =
-                    |a: usize, b: usize| (0..3).map(|r| map[r][a] * map[r][b]).sum::<f64>();
-                let off = |(a, b)| f64::abs(products(a, b) - f64::from(u8::from(a == b)));
-                [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
-                    .map(off)
-                    .into_iter()
-                    .fold(0.0, f64::max)
-            };
-            let most = frames.map(|frame| shear(&examples.pose(frame)[joint])).fold(0.0, f64::max);
+            let strains =
+                (0..examples.frame_len()).map(|frame| strain(&examples.pose(frame)[joint]));
+            let most = strains.fold(0.0, f64::max);
             let has_chain = played.scene.find(&format!("{name}_axes")).is_some();
             assert!(!(5e-5..=4e-4).contains(&most), "{name}: the set has no joint between, {most}");
             assert_eq!(has_chain, most > 4e-4, "{name}");
@@ -46,11 +45,18 @@ fn a_rig_whose_joints_stretch_plays_by_every_predictor() {
     }
 }
 
+/// Returns the largest entry of LᵀL - I.
+fn strain(map: &[[f64; 4]; 3]) -> f64 {
+    let product = |a: usize, b: usize| (0..3).map(|r| map[r][a] * map[r][b]).sum::<f64>();
+    let off = |(a, b)| f64::abs(product(a, b) - f64::from(u8::from(a == b)));
+    [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(off).into_iter().fold(0.0, f64::max)
+}
+
 /// Between the frames of a scene more keys hold the skin to its bound.
 #[test]
 fn between_frames_a_stretching_rig_stays_within_the_bound() {
-    // Every fourth frame: steps that need keys.
-    let Some(examples) = some("stretchy/set.npz", (0..70).step_by(4)) else { return };
+    // Every tenth frame: steps that need keys.
+    let Some(examples) = some("stretchy/set.npz", (0..140).step_by(10)) else { return };
     let len = examples.frame_len();
     let bytes = model(&examples, Predictor::Kernel, 12, 4);
     let clips = &[clip("all", 0, len)];

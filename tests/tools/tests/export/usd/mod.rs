@@ -189,6 +189,22 @@ fn a_leg_keeps_its_materials_in_the_axes_that_were_asked_for() {
 }
 
 #[test]
+fn a_file_that_is_wrong_is_found_out() {
+    let Some(python) = python() else { return };
+    let examples = arm(300);
+    let bytes = model(&examples, Predictor::Kernel, 4, 4);
+    let nothing = Appearance::default();
+    let clips = [clip("all", 0, 3)];
+    let text = export(&bytes, &examples, &clips, &nothing, Placement::AsModel).usda().unwrap();
+    let issues = |text: &str| {
+        let Skinned { said, .. } = skinned(&python, "wrong", text, &[0.0]);
+        said["issues"].as_array().unwrap().len()
+    };
+    assert_eq!(issues(&text), 0);
+    assert_eq!(issues(&text.replace("    metersPerUnit = 1\n", "")), 1);
+}
+
+#[test]
 fn a_character_that_stands_along_x_is_refused() {
     let examples = Examples { space: Space::GLTF, ..arm(300) };
     let bytes = model(&examples, Predictor::Kernel, 4, 4);
