@@ -11,7 +11,7 @@ use crate::numeric::so3;
 /// The joints of a skeleton as nodes of a document. The nodes move and rotate. The stretch of a joint is left to
 /// [`ChainNodes`](super::chains::ChainNodes) under its node, so that other joints do not inherit it.
 pub(super) struct JointNodes {
-    /// Nodes of the joints. A skeleton that is still has no node of its own.
+    /// Nodes of the joints. A skeleton that is still adds no node; its joint is the node above.
     pub(super) nodes: Vec<NodeIndex>,
     /// Inverse bind matrices, as the file holds them.
     pub(super) inverse_binds: Vec<[[f32; 4]; 3]>,
