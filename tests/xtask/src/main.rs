@@ -21,7 +21,7 @@ usage: cargo xtask COMMAND
   test         what every change needs: prepare the machine; check imports, format and lints; build for
                bare targets; run the tests of runtime, C calls, trainer, command line and one software
                GPU; tests on real data read ../shared/data and must find it when CI is set
-  test --full  also documentation, C and C++ programs, pages, browsers, Blender, validators, firmware
+  test --full  also documentation, C and C++ programs, pages, browsers, Blender, USD, validators, firmware
                and every device
   imports      look for files that import each other, in a circle
   lines        count the lines of code of each crate
@@ -93,7 +93,8 @@ fn full() -> Result<(), String> {
     vulkan::prepare_all()?;
     capi::prepare()?;
     cargo("clippy --workspace --all-targets --locked -- -D warnings", &[])?;
-    let mut environment = vec![("SINEW_BPY", prepare::blender()?.into())];
+    let mut environment =
+        vec![("SINEW_BPY", prepare::blender()?.into()), ("SINEW_USD", prepare::usd()?.into())];
     environment.extend(vulkan::drivers());
     environment.push(("SINEW_DEVICES", "all".into()));
     // Always the whole workspace: a part of it would have other features, and be built again.

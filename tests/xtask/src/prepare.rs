@@ -5,6 +5,8 @@ use std::process::Command;
 
 /// Blender as a Python module.
 const BPY: &str = "bpy==5.0.1";
+/// USD as a Python module.
+const USD: &str = "usd-core==26.11";
 
 /// Finds the programs that the tests need, or says how to install them.
 pub(super) fn programs() -> Result<(), String> {
@@ -44,22 +46,32 @@ pub(super) fn targets(targets: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the Python for the test of the Blender script, with Blender as a module. If this machine
-/// has no such package, prints a notice and returns an empty string, or an error if `CI` is set.
+/// Returns the Python for the test of the Blender script, with Blender as a module; see [`python`].
 pub(super) fn blender() -> Result<String, String> {
-    let folder = target_folder()?.join("bpy");
+    python("bpy", BPY, "the Blender script")
+}
+
+/// Returns the Python for the test of exported USD, with Pixar's library as a module; see [`python`].
+pub(super) fn usd() -> Result<String, String> {
+    python("pxr", USD, "the export to USD")
+}
+
+/// Returns a Python with a module of a package. If this machine has no such package, prints a notice
+/// and returns an empty string, or an error if `CI` is set.
+fn python(module: &str, package: &str, tested: &str) -> Result<String, String> {
+    let folder = target_folder()?.join(module);
     let python = folder.join("bin/python").display().to_string();
-    let has_bpy = || {
-        let found = Command::new(&python).args(["-c", "import bpy"]).output();
+    let has_module = || {
+        let found = Command::new(&python).args(["-c", &format!("import {module}")]).output();
         found.is_ok_and(|found| found.status.success())
     };
-    if !has_bpy() {
+    if !has_module() {
         let advice = "install Python 3 with its venv module (Debian: python3-venv)";
         run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder))
             .map_err(|error| format!("{error}; {advice}"))?;
-        let installed = run(Command::new(&python).args(["-m", "pip", "install", "-q", BPY]));
-        if installed.is_err() || !has_bpy() {
-            let untested = format!("{BPY} does not install here: the Blender script is not tested");
+        let installed = run(Command::new(&python).args(["-m", "pip", "install", "-q", package]));
+        if installed.is_err() || !has_module() {
+            let untested = format!("{package} does not install here: {tested} is not tested");
             return untested_unless_ci(untested).map(|()| String::new());
         }
     }

@@ -78,6 +78,15 @@ impl Examples {
         stretching
     }
 
+    /// Returns whether each joint is further from rigid than [`RIGID`] in one of these frames, J.
+    pub(crate) fn stretching_in(&self, frames: &[usize]) -> Vec<bool> {
+        let stretches = |joint| {
+            let mut maps = frames.iter().map(|&frame: &usize| &self.pose(frame)[joint]);
+            maps.any(|map| deviation(map) > RIGID)
+        };
+        (0..self.joint_len()).map(stretches).collect()
+    }
+
     /// Estimates the rest origins of joints without a rest position in the source, from the training frames. Call again
     /// after the training frames change.
     pub fn place_joints(&mut self) {

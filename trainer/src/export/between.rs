@@ -30,8 +30,8 @@ pub(super) struct Key {
     pub(super) palette: Vec<sinew_runtime::Matrix3x4>,
 }
 
-/// The motion of an exported skin between keys. Joints rotate evenly relative to their parents. Proxies move and
-/// stretch evenly relative to the joints that carry them.
+/// The motion of an exported skin between keys. Joints rotate evenly relative to their parents, and stretch evenly.
+/// Proxies move and stretch evenly relative to the rigid parts of the joints that carry them.
 pub(super) struct Between<'a> {
     /// Predicts the palettes of new keys.
     envelope: Envelope<'a>,
@@ -39,6 +39,7 @@ pub(super) struct Between<'a> {
     rest: Vec<Matrix4<f64>>,
     parents: Vec<Option<usize>>,
     order: Vec<usize>,
+    stretching: Vec<bool>,
     /// Centre of each proxy, and the joint that carries it. Proxies are last in the palette.
     proxies: Vec<(Point3<f64>, usize)>,
     /// Vertices that follow proxies.
@@ -70,6 +71,7 @@ impl<'a> Between<'a> {
             rest: skeleton.rest.iter().map(square).collect(),
             order: parents_first(&parents),
             parents,
+            stretching: played.stretching.clone(),
             proxies: centres.zip(played.carriers.iter().copied()).collect(),
             followers: followers.filter(|follower| !follower.proxies.is_empty()).collect(),
             near: NEAR * diagonal,
@@ -116,6 +118,7 @@ impl<'a> Between<'a> {
 
     /// Interpolates the joints of two keys like linear tracks.
     fn pose(&self, from: &Key, to: &Key, part: f64) -> Vec<Matrix3x4> {
+        let keys = [from, to];
         let worlds = |key: &Key| -> Vec<Isometry3<f64>> {
             let maps = key.pose.iter().zip(&self.rest);
             maps.map(|(map, rest)| isometry(&(square(map) * rest))).collect()
@@ -133,11 +136,40 @@ impl<'a> Between<'a> {
             let own = Isometry3::from_parts(place.into(), turn);
             reached[joint] = parent.map_or(own, |parent| reached[parent] * own);
         }
-        let map = |(world, rest): (&Isometry3<f64>, &Matrix4<f64>)| {
-            let back = rest.try_inverse().unwrap_or_else(Matrix4::identity);
-            rows(&(world.to_homogeneous() * back))
+        let map = |(joint, world): (usize, &Isometry3<f64>)| {
+            let world = world.to_homogeneous() * self.back(joint);
+            if !self.stretching[joint] {
+                return rows(&world);
+            }
+            let stretches = keys.map(|key| {
+                let map = square(&key.pose[joint]);
+                let rigid = self.rigid(joint, &key.pose[joint]);
+                (rigid.try_inverse().unwrap_or_else(Matrix4::identity) * map)
+                    .fixed_view::<3, 3>(0, 0)
+                    .into_owned()
+            });
+            // The joint stretches about its origin.
+            let mut stretch = Stretch::between(&stretches, part).to_homogeneous();
+            let origin = self.rest[joint].fixed_view::<3, 1>(0, 3).into_owned();
+            let moved = origin - stretch.fixed_view::<3, 3>(0, 0) * origin;
+            stretch.fixed_view_mut::<3, 1>(0, 3).copy_from(&moved);
+            rows(&(world * stretch))
         };
-        reached.iter().zip(&self.rest).map(map).collect()
+        reached.iter().enumerate().map(map).collect()
+    }
+
+    /// Returns the inverse of a joint's rest frame.
+    fn back(&self, joint: usize) -> Matrix4<f64> {
+        self.rest[joint].try_inverse().unwrap_or_else(Matrix4::identity)
+    }
+
+    /// Returns the rigid part of a joint's map, which the joint's node holds.
+    fn rigid(&self, joint: usize, map: &Matrix3x4) -> Matrix4<f64> {
+        let map = square(map);
+        match self.stretching[joint] {
+            true => isometry(&(map * self.rest[joint])).to_homogeneous() * self.back(joint),
+            false => map,
+        }
     }
 
     /// Returns the largest distance of a vertex from its true position, with even motion from key to key.
@@ -145,7 +177,7 @@ impl<'a> Between<'a> {
         let first = truth.palette.len() - self.proxies.len();
         let error = |(number, (centre, carrier)): (usize, &(Point3<f64>, usize))| {
             let under = |key: &Key| {
-                let joint = square(&key.pose[*carrier]);
+                let joint = self.rigid(*carrier, &key.pose[*carrier]);
                 let back = joint.try_inverse().unwrap_or_else(Matrix4::identity);
                 (joint, back * wide(&key.palette[first + number]))
             };

@@ -36,7 +36,7 @@ impl<'a> Playback<'a> {
     ///
     /// # Errors
     /// - The model is refused or belongs to another character, or its space is impossible.
-    /// - A clip cannot be played, a joint is not rigid, or the runtime refuses a frame.
+    /// - A clip cannot be played, a joint is mirrored or hidden, or the runtime refuses a frame.
     /// - A further mesh does not lie on the model's skin.
     pub(super) fn play(&self) -> Result<(Played<'a>, FurtherMeshes), Error> {
         let Self { model, skin, examples, clips, between, levels } = *self;

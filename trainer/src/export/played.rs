@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sinew_runtime::format::Space;
 use std::ops::Range;
 
-use super::proxies;
+use super::chains::{self, Chained};
 use super::skeleton::times;
 use crate::Error;
 use crate::envelope::levels::Influences;
@@ -42,14 +42,16 @@ pub(super) struct Played<'a> {
     pub(super) centres: Vec<[f64; 3]>,
     /// Joint that carries each proxy.
     pub(super) carriers: Vec<usize>,
+    /// Whether each joint stretches at a key.
+    pub(super) stretching: Vec<bool>,
 }
 
 impl<'a> Played<'a> {
     /// Predicts every frame of the clips, without mirroring. No joint carries a proxy before [`Self::carry`].
     ///
     /// # Errors
-    /// The model is refused or belongs to another character, a clip cannot be played, a joint is not rigid, or the
-    /// runtime refuses a frame.
+    /// The model is refused or belongs to another character, a clip cannot be played, a joint is mirrored or
+    /// hidden, or the runtime refuses a frame.
     pub(super) fn new(
         model: &'a [u8],
         skin: Option<&str>,
@@ -81,6 +83,7 @@ impl<'a> Played<'a> {
             influences: influences(&character.skin),
             centres: Vec::new(),
             carriers: Vec::new(),
+            stretching: examples.stretching_in(&frames),
         })
     }
 
@@ -88,7 +91,7 @@ impl<'a> Played<'a> {
     pub(super) fn carry(&mut self, diagonal: f64) {
         self.centres = self.proxy_centres();
         self.carriers =
-            proxies::carriers(&self.palettes, &self.poses, &self.centres, REACH * diagonal);
+            chains::carriers(&self.palettes, &self.poses, &self.centres, REACH * diagonal);
     }
 
     /// Mirrors everything but the character.
@@ -108,6 +111,37 @@ impl<'a> Played<'a> {
     pub(super) fn first_proxy(&self) -> usize {
         let envelope = &self.character.envelope;
         envelope.palette_len() - envelope.proxy_len()
+    }
+
+    /// Lists the joints of the palette that stretch, each at its own origin.
+    pub(super) fn stretched(&self) -> impl Iterator<Item = Chained> + '_ {
+        let all = (0..self.first_proxy()).filter(|&joint| self.stretching[joint]);
+        all.map(|joint| {
+            let name = &self.skeleton.names[joint];
+            Chained {
+                names: [format!("{name}_stretch"), format!("{name}_axes")],
+                transform: joint,
+                centre: self.skeleton.rest[joint].map(|row| row[3]),
+                joint,
+            }
+        })
+    }
+
+    /// Lists the proxies.
+    pub(super) fn proxies(&self) -> impl Iterator<Item = Chained> + '_ {
+        let all = self.centres.iter().zip(&self.carriers).enumerate();
+        all.map(|(number, (&centre, &joint))| Chained {
+            names: [format!("proxy_{number}"), format!("proxy_{number}_axes")],
+            transform: self.first_proxy() + number,
+            centre,
+            joint,
+        })
+    }
+
+    /// Lists the names of the envelope's curves, C.
+    pub(super) fn curve_names(&self) -> Vec<&str> {
+        let envelope = &self.character.envelope;
+        (0..envelope.curve_len()).filter_map(|curve| envelope.curve_name(curve)).collect()
     }
 
     /// Lists the keys of each clip, as ranges of all keys.

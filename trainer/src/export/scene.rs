@@ -1,9 +1,9 @@
 //! Whole scenes: a character that plays a model, with skeleton, proxies, meshes and an animation for each clip; and the
 //! demo character as an artist would deliver it.
 
+use super::chains::ChainNodes;
 use super::mesh::{SkinnedMesh, parts};
 use super::play::Playback;
-use super::proxies::ProxyNodes;
 use super::skeleton::{JointNodes, key_times, quaternion, turned};
 use crate::Error;
 use crate::envelope::lbs::weights;
@@ -11,6 +11,7 @@ use crate::envelope::levels::LevelReport;
 use crate::examples::{Clip, Examples, Split};
 use crate::formats::appearance::Appearance;
 use crate::formats::gltf::write::{Document, Placed};
+use crate::formats::usd;
 use crate::space::{Conversion, SpaceRequest};
 use sinew_runtime::format::{Axis, Handedness, Space};
 
@@ -36,6 +37,23 @@ pub struct Exported {
     pub glb: Vec<u8>,
     /// Reports on the further meshes, in order.
     pub levels: Vec<LevelReport>,
+    /// Space of the file.
+    space: Space,
+    /// Frames a second of the first clip.
+    rate: f64,
+}
+
+impl Exported {
+    /// Writes the file as USD: the nodes as the joints of a skeleton, and a `SkelAnimation` for each clip. The first is
+    /// bound. UsdSkel has scales in half precision.
+    ///
+    /// # Errors
+    /// - [`ErrorKind::Unsupported`](crate::ErrorKind::Unsupported): the character stands along an axis other than y and
+    ///   z.
+    /// - [`ErrorKind::Missing`](crate::ErrorKind::Missing): nothing in the file has a skin.
+    pub fn usda(&self) -> Result<String, Error> {
+        usd::write(&self.glb, &self.space, self.rate)
+    }
 }
 
 /// Exports clips of the examples as a GLB with an animation for each clip. The animations are the palettes that the f32
@@ -57,7 +75,7 @@ impl Export<'_> {
     /// - The model is refused or belongs to another character, as in
     ///   [`Character::open`](crate::evaluate::Character::open).
     /// - A clip cannot be played, as in [`check_clips`](super::check_clips).
-    /// - A joint is not rigid in a frame, or the runtime refuses a frame.
+    /// - A joint is mirrored or hidden in a frame, or the runtime refuses a frame.
     /// - A further mesh does not lie on the model's skin.
     /// - The requested space is impossible; [`ErrorKind::Unsupported`](crate::ErrorKind::Unsupported) if it is
     ///   left-handed.
@@ -77,15 +95,15 @@ impl Export<'_> {
         }
 
         let mut document = Document::new(NOTE);
-        let armature =
-            document.node("armature".to_owned(), None, &armature(&played.space, placement)?);
+        let (placed, space) = place(played.space, placement)?;
+        let armature = document.node("armature".to_owned(), None, &placed);
         let joints = JointNodes::new(&mut document, armature, &played.skeleton);
-        let proxies =
-            ProxyNodes::new(&mut document, &joints.carriers(), &played.centres, &played.carriers);
+        let chained = played.stretched().chain(played.proxies()).collect();
+        let chains = ChainNodes::new(&mut document, &joints.carriers(), chained);
         let first_proxy = played.first_proxy();
-        let nodes: Vec<_> =
-            joints.nodes[..first_proxy].iter().copied().chain(proxies.joints()).collect();
-        let inverse_binds = [&joints.inverse_binds[..first_proxy], &proxies.inverse_binds].concat();
+        let mut nodes = joints.nodes[..first_proxy].to_vec();
+        let mut inverse_binds = joints.inverse_binds[..first_proxy].to_vec();
+        chains.bind(&mut nodes, &mut inverse_binds);
         let palette_skin = document.skin(armature, &nodes, &inverse_binds);
         document.dress(appearance, own.uv().is_some());
         let mesh = SkinnedMesh {
@@ -105,34 +123,53 @@ impl Export<'_> {
         further.add(&mut document, palette_skin);
         for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
             let (mut tracks, worlds) = joints.tracks(&played.poses[own.clone()], times);
-            tracks.extend(proxies.tracks(&played.palettes[own], &worlds));
+            tracks.extend(chains.tracks(&played.palettes[own.clone()], &worlds));
             document.animation(&clip.name, times, tracks);
+            document.curves(&played.curve_names(), times, &played.curves[own]);
         }
-        Ok(Exported { glb: document.finish()?, levels: further.reports })
+        let rate = clips.first().map_or(UNKNOWN_RATE, rate);
+        Ok(Exported { glb: document.finish()?, levels: further.reports, space, rate })
     }
 }
 
-/// Returns the armature's transform, which puts the right-handed model into the requested space.
-fn armature(model: &Space, placement: Placement) -> Result<Placed, Error> {
-    let conversion = match placement {
-        Placement::AsModel => None,
+/// Time codes a second of USD without a rate: the default of USD.
+const UNKNOWN_RATE: f64 = 24.0;
+/// Largest difference of a step of a clip from the mean step, relative to it, in a clip with a rate.
+const REGULAR: f64 = 1e-2;
+
+/// Returns the frames a second of a clip, in thousandths, if its steps are even.
+fn rate(clip: &Clip) -> f64 {
+    let steps = || clip.times.windows(2).map(|pair| pair[1] - pair[0]);
+    let mean = steps().sum::<f64>() / (clip.times.len().max(2) - 1) as f64;
+    let is_regular = steps().all(|step| (step - mean).abs() <= REGULAR * mean);
+    let rate = (1000.0 / mean).round() / 1000.0;
+    if is_regular && rate.is_normal() { rate } else { UNKNOWN_RATE }
+}
+
+/// Returns the armature's transform, which puts the right-handed model into the requested space, and this space.
+fn place(model: Space, placement: Placement) -> Result<(Placed, Space), Error> {
+    let (space, conversion) = match placement {
+        Placement::AsModel => (model, None),
         Placement::Upright => {
             let space =
                 |up, forward| Space { up: Some(up), forward: Some(forward), ..Space::default() };
-            Conversion::between(&space(Axis::Z, Axis::MinusY), &space(Axis::Y, Axis::Z))
+            let upright = space(Axis::Y, Axis::Z);
+            let conversion = Conversion::between(&space(Axis::Z, Axis::MinusY), &upright);
+            (Space { unit: model.unit, ..upright }, conversion)
         }
         Placement::In(SpaceRequest { handedness: Some(Handedness::Left), .. }) => {
             return Err(Error::unsupported(
                 "glTF is right-handed: leave out --to-hand left, engines mirror it as they import it",
             ));
         }
-        Placement::In(request) => Conversion::to(*model, &request)?.1,
+        Placement::In(request) => Conversion::to(model, &request)?,
     };
-    Ok(conversion.map_or(Placed::AT_PARENT, |conversion| Placed {
+    let placed = conversion.map_or(Placed::AT_PARENT, |conversion| Placed {
         rotation: quaternion(&turned(&conversion.axes)),
         scale: [conversion.scale as f32; 3],
         ..Placed::AT_PARENT
-    }))
+    });
+    Ok((placed, space))
 }
 
 /// Note in the demo's file.

@@ -8,9 +8,10 @@ use crate::examples::{Clip, Matrix3x4, Skeleton};
 use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track, before_jumps};
 use crate::numeric::so3;
 
-/// The joints of a skeleton as nodes of a document.
+/// The joints of a skeleton as nodes of a document. The nodes move and rotate. The stretch of a joint is left to
+/// [`ChainNodes`](super::chains::ChainNodes) under its node, so that other joints do not inherit it.
 pub(super) struct JointNodes {
-    /// Nodes of the joints.
+    /// Nodes of the joints. A skeleton that is still adds no node; its joint is the node above.
     pub(super) nodes: Vec<NodeIndex>,
     /// Inverse bind matrices, as the file holds them.
     pub(super) inverse_binds: Vec<[[f32; 4]; 3]>,
@@ -19,9 +20,17 @@ pub(super) struct JointNodes {
     parents: Vec<Option<usize>>,
     /// Joints in order, parents before children.
     order: Vec<usize>,
+    is_still: bool,
 }
 
-/// A joint that can be the parent of proxies.
+/// Frame of a posed joint in the space of the palette: a rigid part, after a stretch.
+pub(super) struct Frame {
+    pub(super) rigid: Isometry3<f64>,
+    /// Inverse of the stretch, if the joint's node has one.
+    pub(super) unstretch: Option<Matrix3<f64>>,
+}
+
+/// A joint that can be the parent of further nodes.
 pub(super) struct Carrier {
     /// Node of the joint.
     pub(super) node: NodeIndex,
@@ -43,6 +52,7 @@ impl JointNodes {
             binds: Vec::new(),
             order: parents_first(&parents),
             parents,
+            is_still: skeleton.is_still,
         };
         // The nodes compensate for the rounding of the inverse bind matrices. A rotation with rounded entries still has
         // an inverse.
@@ -50,7 +60,8 @@ impl JointNodes {
         joints.binds = joints.inverse_binds.iter().map(bind).collect();
         let (at_rest, _) = joints.place(&joints.binds);
         let mut nodes = vec![under; joints.order.len()];
-        for &joint in &joints.order {
+        let moving = joints.order.iter().filter(|_| !skeleton.is_still);
+        for &joint in moving {
             let parent = joints.parents[joint].map_or(under, |parent| nodes[parent]);
             let name = skeleton.names[joint].clone();
             nodes[joint] = document.node(name, Some(parent), &at_rest[joint]);
@@ -59,27 +70,30 @@ impl JointNodes {
         joints
     }
 
-    /// Returns the joints as parents of proxies.
+    /// Returns the joints as parents of further nodes.
     pub(super) fn carriers(&self) -> Vec<Carrier> {
         let (_, at_rest) = self.place(&self.binds);
         let carrier = |(&node, at_rest)| Carrier { node, at_rest, unit: 1.0 };
         self.nodes.iter().zip(at_rest).map(carrier).collect()
     }
 
-    /// Makes the tracks of the joints through poses at these times. A pose has J rigid maps from the rest pose. Also
-    /// returns the world frames that the rounded keys give.
+    /// Makes the tracks of the joints through poses at these times. A pose has J maps from the rest pose. Also returns the
+    /// world frames that the rounded keys give.
     pub(super) fn tracks(
         &self,
         poses: &[Vec<Matrix3x4>],
         times: &[f32],
-    ) -> (Vec<Track>, Vec<Vec<Isometry3<f64>>>) {
+    ) -> (Vec<Track>, Vec<Vec<Frame>>) {
         let keys = poses.iter().map(|pose| {
             let worlds = pose.iter().zip(&self.binds).map(|(map, bind)| square(map) * bind);
             self.place(&worlds.collect::<Vec<_>>())
         });
         let (keys, reached): (Vec<Vec<Placed>>, Vec<_>) = keys.unzip();
-        let scales = vec![[1.0; 3]; self.nodes.len()];
-        (joint_tracks(&self.nodes, &scales, &keys, times), reached)
+        let frame = |rigid| Frame { rigid, unstretch: None };
+        let frames = reached.into_iter().map(|pose: Vec<_>| pose.into_iter().map(frame).collect());
+        let nodes = if self.is_still { &[] } else { &self.nodes[..] };
+        let scales = vec![[1.0; 3]; nodes.len()];
+        (joint_tracks(nodes, &scales, &keys, times), frames.collect())
     }
 
     /// Places each joint relative to its parent's rounded frame, so that rounding does not accumulate along a chain.

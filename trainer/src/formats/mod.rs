@@ -32,6 +32,7 @@ pub(crate) mod posed_meshes;
 pub(crate) mod scene;
 #[cfg(test)]
 pub(crate) mod testing;
+pub(crate) mod usd;
 mod warning;
 
 pub use extension::Content;

@@ -45,6 +45,19 @@ fn an_export_holds_the_mesh_the_levels_and_an_animation_a_clip() {
     assert!(folder.read("again.glb") == glb, "the same input gives the same bytes");
 }
 
+/// `tests/tools` plays such files.
+#[test]
+fn an_output_that_ends_in_usda_is_usd() {
+    let folder = Folder::with_demo("export-usd");
+    let found = folder.sinew(&format!("{EXPORT} -o out.usda --json")).json();
+    let text = String::from_utf8(folder.read("out.usda")).unwrap();
+    assert_eq!(found["bytes"], text.len());
+    let frames = TRAINING + HELD_OUT;
+    assert_eq!(found["animations"], json!([{ "name": "demo", "frames": frames }]));
+    assert!(text.starts_with("#usda 1.0\n(\n    defaultPrim = \"armature\"\n"), "{}", &text[..99]);
+    assert!(text.contains("def SkelAnimation \"demo\""));
+}
+
 #[test]
 fn every_clip_of_a_scene_becomes_an_animation_with_its_name_and_times() {
     let folder = Folder::with_demo("export-clips");
@@ -215,6 +228,10 @@ fn a_model_goes_into_the_artist_s_own_file() {
         ("--into rig/demo.glb -o rig/demo.glb", "cannot write rig/demo.glb: it is an input"),
         ("--into none.glb -o new.glb", "none.glb: cannot be read: "),
         ("--into text.glb -o new.glb", "text.glb: is no glTF 2.0: "),
+        (
+            "--into rig/demo.glb -o new.usda",
+            "--into rig/demo.glb gives a GLB: name the output .glb",
+        ),
     ] {
         let line = folder.sinew(&format!("{EXPORT} {options}")).failed();
         assert!(line.starts_with(expected), "{options}: {line}");

@@ -271,7 +271,7 @@ fn files_are_recognised_by_their_content() {
         "demo.npz: holds what a .npz file holds, expected a model, which commands take first";
     assert_eq!(line, expected);
     let line = folder.sinew("export demo.sinew --clip demo.npz -o out.fbx").failed();
-    assert_eq!(line, "out.fbx: expected a file that ends in .glb");
+    assert_eq!(line, "out.fbx: expected a file that ends in .glb or .usda");
     assert_eq!(folder.list(), before);
 }
 

@@ -3,10 +3,12 @@
 mod dressed;
 mod into;
 mod levels;
+mod moving;
 mod plays;
 mod rig;
 mod scene;
 mod spaces;
+mod usd;
 mod validator;
 mod views;
 
@@ -64,25 +66,36 @@ fn only(examples: &Examples, frames: impl Iterator<Item = usize>) -> Examples {
     Examples {
         vertices: frames.iter().flat_map(|&f| examples.frame(f)).copied().collect(),
         transforms: frames.iter().flat_map(|&f| examples.pose(f)).copied().collect(),
+        curves: frames.iter().flat_map(|&f| examples.curves_of(f)).copied().collect(),
         split: frames.iter().map(|&f| examples.split[f]).collect(),
         ..examples.clone()
     }
 }
 
-fn pose(examples: &Examples, frame: usize) -> Vec<Matrix3x4> {
-    examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect()
+/// Transforms of the joints, and values of the curves; both may be none.
+struct Pose {
+    joints: Vec<Matrix3x4>,
+    curves: Vec<f32>,
+}
+
+fn pose(examples: &Examples, frame: usize) -> Pose {
+    let joints = examples.pose(frame).iter().map(|m| m.map(|row| row.map(|x| x as f32)));
+    Pose {
+        joints: joints.filter(|_| !examples.skeleton.is_still).collect(),
+        curves: examples.curves_of(frame).iter().map(|&x| x as f32).collect(),
+    }
 }
 
 /// Returns the runtime's palette of a pose.
-fn runtime_palette(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
+fn runtime_palette(envelope: &Envelope<'_>, pose: &Pose) -> Vec<Matrix3x4> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
-    envelope.palette(pose, &[], &mut scratch, &mut palette).unwrap();
+    envelope.palette(&pose.joints, &pose.curves, &mut scratch, &mut palette).unwrap();
     palette
 }
 
 /// Skins a pose with the runtime.
-fn runtime_skin(model: &Model<&[u8]>, pose: &[Matrix3x4]) -> Vec<Vector3<f64>> {
+fn runtime_skin(model: &Model<&[u8]>, pose: &Pose) -> Vec<Vector3<f64>> {
     let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
     let mut positions = vec![[0.0; 3]; skin.vertex_len()];
     skin.skin_positions(&runtime_palette(&envelope, pose), &mut positions).unwrap();

@@ -3,8 +3,8 @@
 use super::scene::Scene;
 use super::{arm, clip, export, farthest, model, only, pose, runtime_skin, set, vectors};
 use nalgebra::{Matrix4, Vector3};
+use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::{Matrix3x4, Model};
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples};
@@ -13,18 +13,18 @@ use sinew_trainer::progress::Silent;
 
 /// Largest distance of the exported skin from the runtime's, as a share of the rest diagonal.
 /// Rounding of nodes and matrices takes less than 1 % of it.
-const NEAR: f64 = 1e-4;
+pub(super) const NEAR: f64 = 1e-4;
 
 /// A model's file, and the examples to compare with.
-struct Played<'a> {
+pub(super) struct Played<'a> {
     examples: &'a Examples,
     model: Vec<u8>,
     clips: &'a [Clip],
-    scene: Scene,
+    pub(super) scene: Scene,
 }
 
 impl<'a> Played<'a> {
-    fn new(examples: &'a Examples, model: Vec<u8>, clips: &'a [Clip]) -> Self {
+    pub(super) fn new(examples: &'a Examples, model: Vec<u8>, clips: &'a [Clip]) -> Self {
         let scene = Scene::read(
             &export(&model, None, examples, clips, &[], Placement::AsModel).unwrap().glb,
         );
@@ -36,7 +36,7 @@ impl<'a> Played<'a> {
         played
     }
 
-    fn loaded(&self) -> Model<&[u8]> {
+    pub(super) fn loaded(&self) -> Model<&[u8]> {
         Model::from_bytes(self.model.as_slice()).unwrap()
     }
 
@@ -46,7 +46,7 @@ impl<'a> Played<'a> {
 
     /// Returns the largest distance from the runtime's skin at the keys, as a share of the
     /// diagonal.
-    fn off_at_keys(&self) -> f64 {
+    pub(super) fn off_at_keys(&self) -> f64 {
         let mut most: f64 = 0.0;
         for (animation, clip) in self.clips.iter().enumerate() {
             let times: Vec<_> = clip.times.iter().map(|&time| time as f32).collect();
@@ -62,19 +62,12 @@ impl<'a> Played<'a> {
 
     /// Returns the largest distance half way between keys. The runtime evaluates the pose of the
     /// file's joints there.
-    fn off_between_keys(&self) -> f64 {
-        let at_rest = self.scene.worlds(None);
-        let names = &self.examples.skeleton.names;
-        let joints: Vec<usize> = names.iter().map(|name| self.scene.node(name)).collect();
+    pub(super) fn off_between_keys(&self) -> f64 {
         let mut most: f64 = 0.0;
         for (animation, clip) in self.clips.iter().enumerate() {
             for key in 1..clip.times.len() {
                 let worlds = self.scene.worlds(Some((animation, key - 1, 0.5)));
-                let pose: Vec<Matrix3x4> = joints
-                    .iter()
-                    .map(|&node| worlds[node] * at_rest[node].try_inverse().unwrap())
-                    .map(|m| [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| m[(r, c)] as f32)))
-                    .collect();
+                let pose = self.scene.pose(&self.examples.skeleton.names, &worlds);
                 let expected = runtime_skin(&self.loaded(), &pose);
                 most = most.max(farthest(&self.skinned(&worlds), &expected));
             }

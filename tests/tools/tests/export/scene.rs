@@ -1,5 +1,6 @@
 //! Plays a GLB as an engine does, by the glTF 2.0 specification only: nodes, keys, skins.
 
+use super::Pose;
 use gltf::animation::util::ReadOutputs;
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3, Vector4};
 
@@ -21,7 +22,11 @@ impl Scene {
     }
 
     pub(crate) fn node(&self, name: &str) -> usize {
-        self.gltf.nodes().find(|node| node.name() == Some(name)).unwrap().index()
+        self.find(name).unwrap()
+    }
+
+    pub(crate) fn find(&self, name: &str) -> Option<usize> {
+        self.gltf.nodes().find(|node| node.name() == Some(name)).map(|node| node.index())
     }
 
     /// Returns the key times of an animation, which all channels share.
@@ -87,6 +92,18 @@ impl Scene {
         let matrix = |m: [[f32; 4]; 4]| Matrix4::from_fn(|row, column| f64::from(m[column][row]));
         let joints = skin.joints().map(|joint| worlds[joint.index()]);
         joints.zip(inverse_binds.map(matrix)).map(|(world, bind)| world * bind).collect()
+    }
+
+    /// Returns the pose of joints by name. A joint that stretches has a node for its stretch.
+    pub(crate) fn pose(&self, names: &[String], worlds: &[Matrix4<f64>]) -> Pose {
+        let at_rest = self.worlds(None);
+        let map = |name: &String| {
+            let stretched = self.find(&format!("{name}_axes"));
+            let node = stretched.unwrap_or_else(|| self.node(name));
+            let map = worlds[node] * at_rest[node].try_inverse().unwrap();
+            [0, 1, 2].map(|r| [0, 1, 2, 3].map(|c| map[(r, c)] as f32))
+        };
+        Pose { joints: names.iter().map(map).collect(), curves: Vec::new() }
     }
 
     /// Skins the mesh whose node has this name, by linear blend skinning.

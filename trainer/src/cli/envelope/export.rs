@@ -1,4 +1,4 @@
-//! `sinew export`: a model and a clip as a GLB that plays without Sinew's runtime.
+//! `sinew export`: a model and a clip as a GLB or USD that plays without Sinew's runtime.
 
 use super::levels::{self, AlsoArguments};
 use crate::cli::arguments::TargetSpace;
@@ -19,17 +19,18 @@ use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
 use std::path::{Path, PathBuf};
 
-/// Bakes a model and a clip into a GLB that plays in any engine
+/// Bakes a model and a clip into a GLB or USD that plays in any engine
 ///
 /// Helpers become ordinary joints under the skeleton's joints, the runtime's prediction for every frame becomes their
-/// keys, and the mesh is skinned to them. Each clip becomes an animation, at the clip's times and in the units of the
+/// keys, and the mesh is skinned to them. An output that ends in .usda is UsdSkel, as text. Each clip becomes an animation, at the clip's times and in the units of the
 /// examples (glTF takes metres). A helper scales along its own axes, which takes two nodes: proxy_N moves, turns and
 /// scales, and proxy_N_axes, the joint of the skin, turns the axes back. An engine must multiply the matrices of the
 /// nodes, as glTF requires; an engine that keeps only translation, rotation and scale of each joint in model space
-/// loses the shear.
+/// loses the shear. A joint that stretches has two such nodes under its own, NAME_stretch and NAME_axes. Values of curves
+/// are in the extras of the animations.
 ///
 /// Keys are at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
-/// two neighbouring keys at a jump. Curves get more keys, and so do helpers that bend between the keys of a scene.
+/// two neighbouring keys at a jump. Splines get more keys, and so do helpers that bend between the keys of a scene.
 /// Joints are then within 0.02 % of the skeleton's size there, and vertices within 0.1 % of the diagonal. --fps
 /// disables this.
 ///
@@ -71,8 +72,8 @@ pub(in crate::cli) struct ExportArgs {
     /// Skin whose mesh is played [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
-    /// File to write
-    #[arg(short, long, alias = "out", value_name = "OUT.glb")]
+    /// File to write, .glb or .usda
+    #[arg(short, long, alias = "out", value_name = "OUT")]
     output: PathBuf,
     /// Put everything into this file (.glb, .gltf), which holds the character in its rest pose, and change nothing else
     #[arg(
@@ -108,7 +109,11 @@ impl Run for ExportArgs {
         inputs.push(self.model.file.clone());
         inputs.extend_from_slice(&self.further.also);
         inputs.extend(self.into.iter().chain(&self.mesh).cloned());
-        let target = OutputFile::new(&self.output, &inputs)?.ending_in(&["glb"])?;
+        let target = OutputFile::new(&self.output, &inputs)?.ending_in(&["glb", "usda"])?;
+        let is_usd = ending(&self.output, &["usda"]).is_ok();
+        if let Some(into) = self.into.as_ref().filter(|_| is_usd) {
+            bail!("--into {} gives a GLB: name the output .glb", into.display());
+        }
         let model = files::read_model(&self.model.file)?;
         let skin = self.skin.as_deref();
         let character = Character::find(&model, skin).of(&self.model.file)?;
@@ -135,7 +140,7 @@ impl Run for ExportArgs {
         check_clips(clips).of(&self.clip)?;
         // Checked here, because a later error would get the name of the model.
         check_places(levels, examples)?;
-        let (glb, names, levels, into) = match &self.into {
+        let (bytes, names, levels, into) = match &self.into {
             None => {
                 let placement = placement(&self.space, &self.target, &character.space)?;
                 let dressed = self.mesh.as_ref().unwrap_or(&self.clip);
@@ -148,7 +153,8 @@ impl Run for ExportArgs {
                 let exported = Export { playback, appearance, placement }.run();
                 let exported = exported.map_err(|error| self.blame(error, clips))?;
                 let names: Vec<String> = clips.iter().map(|clip| clip.name.clone()).collect();
-                (exported.glb, names, exported.levels, None)
+                let bytes = if is_usd { exported.usda()?.into_bytes() } else { exported.glb };
+                (bytes, names, exported.levels, None)
             }
             Some(file) => {
                 let grafted = ExportInto { playback, names, file }.run();
@@ -190,7 +196,7 @@ impl Run for ExportArgs {
         });
         Ok(Report::default()
             .list("levels", levels::report(&levels, diagonal_mm))
-            .write(&target, &glb)?
+            .write(&target, &bytes)?
             .text(meshes.unwrap_or_default())
             .text(frames)
             .json("animations", animations.map(as_json).collect::<Vec<_>>())

@@ -5,8 +5,11 @@ use serde_json::Value;
 
 use super::find::Found;
 use crate::Error;
-use crate::examples::{Matrix3x4, Skeleton};
-use crate::export::skeleton::{Carrier, isometry, joint_tracks, parents_first, quaternion, square};
+use crate::examples::{Matrix3x4, RIGID};
+use crate::export::played::Played;
+use crate::export::skeleton::{
+    Carrier, Frame, isometry, joint_tracks, parents_first, quaternion, square,
+};
 use crate::formats::gltf::rigged::RiggedFile;
 use crate::formats::gltf::write::{Document, NodeIndex, Placed, Track};
 use crate::formats::scene::{JointNames, mismatch};
@@ -17,7 +20,7 @@ const SAME_SCALE: f64 = 1e-5;
 const EVEN: f64 = 1e-3;
 
 /// Frames of the joints in the model, for each pose.
-type Frames = Vec<Vec<Isometry3<f64>>>;
+type Frames = Vec<Vec<Frame>>;
 
 /// The joints as nodes: the file's nodes where it has them, and added nodes.
 pub(super) struct OwnJoints {
@@ -32,6 +35,8 @@ pub(super) struct OwnJoints {
     /// Scale of each node without animation.
     scales: Vec<[f32; 3]>,
     names: Vec<String>,
+    /// Whether each joint stretches at a key.
+    stretching: Vec<bool>,
     to_world: Matrix4<f64>,
     /// Parents of all nodes.
     parents: Vec<Option<usize>>,
@@ -79,9 +84,10 @@ impl OwnJoints {
         document: &mut Document,
         file: &RiggedFile,
         found: &Found,
-        skeleton: &Skeleton,
+        played: &Played<'_>,
         known: &[Option<NodeIndex>],
     ) -> Result<Self, Error> {
+        let skeleton = &played.skeleton;
         let worlds = file.worlds();
         let from_world = found.at_rest.try_inverse().unwrap_or_else(Matrix4::identity);
         let len = known.len();
@@ -92,6 +98,7 @@ impl OwnJoints {
             units: vec![1.0; len],
             scales: vec![[1.0; 3]; len],
             names: skeleton.names.clone(),
+            stretching: played.stretching.clone(),
             to_world: found.to_world,
             parents: file.parents.clone(),
             locals: file.locals.clone(),
@@ -152,15 +159,15 @@ impl OwnJoints {
     /// the frames in the model that the rounded keys give.
     ///
     /// # Errors
-    /// Nodes above a joint scale it unevenly.
+    /// Nodes above a joint scale it unevenly, or the joint is sheared relative to its parent.
     pub(super) fn tracks(
         &self,
         poses: &[Vec<Matrix3x4>],
         times: &[f32],
     ) -> Result<(Vec<Track>, Frames), Error> {
-        let keys = poses.iter().map(|pose| {
+        let keys = poses.iter().zip(times).map(|(pose, time)| {
             let maps: Vec<_> = pose.iter().map(square).collect();
-            self.place(&maps)
+            self.place(&maps).map_err(|error| error.within(format_args!("at {time} s")))
         });
         let keys = keys.collect::<Result<Vec<_>, _>>()?;
         let (keys, reached): (Vec<Vec<Placed>>, Vec<_>) = keys.into_iter().unzip();
@@ -169,14 +176,15 @@ impl OwnJoints {
 
     /// Places each joint relative to its parent's rounded transform, so that rounding does not accumulate along a
     /// chain. Also returns the rounded frames in the model.
-    fn place(&self, maps: &[Matrix4<f64>]) -> Result<(Vec<Placed>, Vec<Isometry3<f64>>), Error> {
+    fn place(&self, maps: &[Matrix4<f64>]) -> Result<(Vec<Placed>, Vec<Frame>), Error> {
         let mut joint_of = vec![None; self.locals.len()];
         for (joint, &node) in self.nodes.iter().enumerate() {
             joint_of[node] = Some(joint);
         }
         let from_world = self.to_world.try_inverse().unwrap_or_else(Matrix4::identity);
         let mut placed = vec![Placed::AT_PARENT; self.nodes.len()];
-        let mut reached = vec![Isometry3::identity(); self.nodes.len()];
+        let still = || Frame { rigid: Isometry3::identity(), unstretch: None };
+        let mut reached: Vec<_> = self.nodes.iter().map(|_| still()).collect();
         let mut worlds = vec![Matrix4::identity(); self.locals.len()];
         for &node in &self.order {
             let above = self.parents[node].map_or(Matrix4::identity(), |up| worlds[up]);
@@ -190,21 +198,49 @@ impl OwnJoints {
             let wanted = above.try_inverse().ok_or_else(uneven)? * target;
             let factor = scale(&wanted);
             let own = self.scales[joint];
-            let kept = own.iter().all(|&own| (f64::from(own) / factor - 1.0).abs() < SAME_SCALE);
-            let turn = isometry(&(wanted * even(1.0 / factor)));
-            placed[joint] = Placed {
-                translation: wanted.fixed_view::<3, 1>(0, 3).map(|x| x as f32).into(),
-                rotation: quaternion(&turn.rotation),
-                scale: if kept { own } else { [factor as f32; 3] },
+            let is_own = |factors: &[f64; 3]| {
+                let ratios = own.iter().zip(factors).map(|(&own, factor)| f64::from(own) / factor);
+                ratios.map(|ratio| (ratio - 1.0).abs()).fold(0.0, f64::max) < SAME_SCALE
             };
-            let rounded = local(&placed[joint]);
-            if (rounded - wanted).fixed_view::<3, 3>(0, 0).amax() > EVEN * factor.abs() {
-                return Err(uneven());
+            let with = |factors: [f64; 3]| Placed {
+                translation: wanted.fixed_view::<3, 1>(0, 3).map(|x| x as f32).into(),
+                rotation: quaternion(
+                    &isometry(&(wanted * along(factors.map(f64::recip)))).rotation,
+                ),
+                scale: if is_own(&factors) { own } else { factors.map(|factor| factor as f32) },
+            };
+            let off = |placed: &Placed| {
+                (local(placed) - wanted).fixed_view::<3, 3>(0, 0).amax() / factor.abs()
+            };
+            placed[joint] = with([factor; 3]);
+            if off(&placed[joint]) > RIGID {
+                // The joint stretches relative to its parent.
+                placed[joint] = with(factors(&wanted));
             }
+            if off(&placed[joint]) > EVEN {
+                return Err(if self.stretching.contains(&true) {
+                    self.sheared(joint)
+                } else {
+                    uneven()
+                });
+            }
+            let rounded = local(&placed[joint]);
             worlds[node] = above * rounded;
-            reached[joint] = isometry(&(from_world * worlds[node] * even(1.0 / self.units[joint])));
+            let frame = from_world * worlds[node] * even(1.0 / self.units[joint]);
+            let rigid = isometry(&frame);
+            let stretch = rigid.rotation.inverse().to_rotation_matrix() * linear(&frame);
+            let unstretch = stretch.try_inverse().filter(|_| self.stretching[joint]);
+            reached[joint] = Frame { rigid, unstretch };
         }
         Ok((placed, reached))
+    }
+
+    fn sheared(&self, joint: usize) -> Error {
+        Error::unsupported(format!(
+            "joint {} is sheared relative to its parent, which a node of the file cannot hold: export without \
+             --into, or key the joints so that none shears",
+            self.names[joint]
+        ))
     }
 
     fn uneven(&self, joint: usize) -> Error {
@@ -258,7 +294,15 @@ fn scale(map: &Matrix4<f64>) -> f64 {
 }
 
 fn even(scale: f64) -> Matrix4<f64> {
-    Matrix3::from_diagonal_element(scale).to_homogeneous()
+    along([scale; 3])
+}
+
+fn along(scales: [f64; 3]) -> Matrix4<f64> {
+    Matrix3::from_diagonal(&scales.into()).to_homogeneous()
+}
+
+fn linear(map: &Matrix4<f64>) -> Matrix3<f64> {
+    map.fixed_view::<3, 3>(0, 0).into_owned()
 }
 
 fn local(placed: &Placed) -> Matrix4<f64> {

@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 
 use self::find::Found;
 use self::joints::OwnJoints;
+use super::chains::ChainNodes;
 use super::play::Playback;
-use super::proxies::ProxyNodes;
 use super::skeleton::{rounded, wide};
 use crate::Error;
 use crate::envelope::levels::LevelReport;
@@ -79,17 +79,18 @@ impl ExportInto<'_> {
         // Without proxies, the file's animations move the whole character.
         let has_proxies = !played.centres.is_empty();
         let kept_animations = if has_proxies { moving(&document, &known) } else { Vec::new() };
-        let joints = OwnJoints::new(&mut document, &file, &found, &played.skeleton, &known)
-            .map_err(in_file)?;
-        let carriers = joints.carriers();
-        let proxies = ProxyNodes::new(&mut document, &carriers, &played.centres, &played.carriers);
+        let joints =
+            OwnJoints::new(&mut document, &file, &found, &played, &known).map_err(in_file)?;
+        let proxies =
+            ChainNodes::new(&mut document, &joints.carriers(), played.proxies().collect());
         let first_proxy = played.first_proxy();
-        let nodes: Vec<_> =
-            joints.nodes[..first_proxy].iter().copied().chain(proxies.joints()).collect();
+        let (mut nodes, mut proxy_binds) = (Vec::new(), Vec::new());
+        proxies.bind(&mut nodes, &mut proxy_binds);
+        let nodes = [&joints.nodes[..first_proxy], &nodes].concat();
         // Maps from the model's rest mesh to each joint's space.
         let mut inverse_binds: Vec<_> =
             (0..first_proxy).map(|joint| joints.inverse_bind(joint)).collect();
-        for (bind, &joint) in proxies.inverse_binds.iter().zip(&played.carriers) {
+        for (bind, &joint) in proxy_binds.iter().zip(&played.carriers) {
             inverse_binds.push(Matrix4::new_scaling(1.0 / joints.units[joint]) * wide(bind));
         }
 
@@ -112,9 +113,10 @@ impl ExportInto<'_> {
         for ((clip, times), own) in clips.iter().zip(&played.times).zip(played.clips()) {
             let (mut tracks, worlds) =
                 joints.tracks(&played.poses[own.clone()], times).map_err(in_file)?;
-            tracks.extend(proxies.tracks(&played.palettes[own], &worlds));
+            tracks.extend(proxies.tracks(&played.palettes[own.clone()], &worlds));
             let name = free_name(&document, &clip.name);
             document.animation(&name, times, tracks);
+            document.curves(&played.curve_names(), times, &played.curves[own]);
             animations.push(name);
         }
         Ok(Grafted {

@@ -216,6 +216,19 @@ impl Document {
         self.animations.push(json!({ "name": name, "channels": channels, "samplers": samplers }));
     }
 
+    /// Writes curves into the extras of the last animation: C names, the key times, and C values a key. Without curves
+    /// there are no extras.
+    pub(crate) fn curves(&mut self, names: &[&str], times: &[f32], keys: &[Vec<f64>]) {
+        let Some(animation) = self.animations.last_mut().filter(|_| !names.is_empty()) else {
+            return;
+        };
+        let times: Vec<Value> = times.iter().map(|&time| short(time)).collect();
+        let row = |key: &Vec<f64>| key.iter().map(|&value| short(value as f32)).collect();
+        let values: Vec<Value> = keys.iter().map(row).collect();
+        let curves = json!({ "names": names, "times": times, "values": values });
+        animation["extras"] = json!({ "curves": curves });
+    }
+
     /// Adds the values of a channel, without those of the `dropped` keys.
     fn keys<const N: usize>(
         &mut self,
@@ -345,6 +358,11 @@ impl Document {
         self.accessors[array]["min"] = bound(f32::min, f32::INFINITY);
         self.accessors[array]["max"] = bound(f32::max, f32::NEG_INFINITY);
     }
+}
+
+/// Returns a number with no more digits than single precision needs.
+fn short(number: f32) -> Value {
+    json!(number.to_string().parse::<f64>().unwrap_or(f64::from(number)))
 }
 
 /// Removes the rows of the given keys; `rows` has equally many rows for each of `key_len` keys.

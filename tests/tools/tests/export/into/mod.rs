@@ -13,7 +13,7 @@ use sinew_trainer::export::{ExportInto, Grafted, Playback, by_use, demo_glb};
 use std::path::{Path, PathBuf};
 
 /// Exports a model's first skin into a file.
-fn export_into(
+pub(crate) fn export_into(
     model: &[u8],
     examples: &Examples,
     clips: &[Clip],

@@ -1,42 +1,48 @@
-//! Proxies as nodes: each proxy is a chain of two nodes, because no single node can hold its map.
+//! Transforms of the palette that no single node can hold: proxies, and joints that stretch. Each takes a chain of two
+//! nodes.
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::Matrix3x4;
 
-use super::skeleton::{Carrier, continuous, quaternion, turned};
+use super::skeleton::{Carrier, Frame, continuous, quaternion, turned};
 use super::stretch::Stretch;
 use crate::formats::gltf::write::{ChannelKeys, Document, NodeIndex, Placed, Track};
 
-/// The proxies of a palette as nodes of a document.
+/// A transform of the palette that takes two nodes.
+pub(super) struct Chained {
+    /// Names of the outer and the inner node.
+    pub(super) names: [String; 2],
+    /// Index in the palette.
+    pub(super) transform: usize,
+    /// Point of the rest mesh at which the nodes stand.
+    pub(super) centre: [f64; 3],
+    /// Joint that carries the nodes.
+    pub(super) joint: usize,
+}
+
+/// Transforms of a palette as nodes of a document.
 ///
-/// Each proxy is a child of the joint whose motion is nearest, so that the proxy moves with the skeleton between two
-/// keys. A node moves, rotates and scales along its own axes, but a proxy's map scales along other axes. The outer node
-/// moves, rotates and scales. The inner node, the joint of the skin, rotates the axes back.
-pub(super) struct ProxyNodes {
+/// Each transform is a child of a joint whose motion is near, so that it moves with the skeleton between two keys. A node
+/// moves, rotates and scales along its own axes, but the transform scales along other axes. The outer node moves, rotates
+/// and scales. The inner node, the joint of the skin, rotates the axes back.
+pub(super) struct ChainNodes {
     chains: Vec<Chain>,
-    /// Inverse bind matrices of the inner nodes, in the model's unit.
-    pub(super) inverse_binds: Vec<Matrix3x4>,
 }
 
 struct Chain {
     outer: NodeIndex,
     inner: NodeIndex,
+    transform: usize,
     centre: [f32; 3],
     joint: usize,
     unit: f64,
 }
 
-impl ProxyNodes {
-    /// Adds proxies under the joints that carry them, each at its centre.
-    pub(super) fn new(
-        document: &mut Document,
-        joints: &[Carrier],
-        centres: &[[f64; 3]],
-        carriers: &[usize],
-    ) -> Self {
-        let mut proxies = Self { chains: Vec::new(), inverse_binds: Vec::new() };
-        for (number, (centre, &joint)) in centres.iter().zip(carriers).enumerate() {
+impl ChainNodes {
+    /// Adds the nodes under the joints that carry them, each at its centre.
+    pub(super) fn new(document: &mut Document, joints: &[Carrier], all: Vec<Chained>) -> Self {
+        let add = |Chained { names: [outer, inner], transform, centre, joint }: Chained| {
             let centre = centre.map(|x| x as f32);
             let Carrier { node, ref at_rest, unit } = joints[joint];
             let back = at_rest.inverse();
@@ -46,36 +52,33 @@ impl ProxyNodes {
                 rotation: quaternion(&back.rotation),
                 scale: [1.0; 3],
             };
-            let name = format!("proxy_{number}");
-            let outer = document.node(name, Some(node), &placed);
-            let name = format!("proxy_{number}_axes");
-            let inner = document.node(name, Some(outer), &Placed::AT_PARENT);
-            proxies.chains.push(Chain { outer, inner, centre, joint, unit });
+            let outer = document.node(outer, Some(node), &placed);
+            let inner = document.node(inner, Some(outer), &Placed::AT_PARENT);
+            Chain { outer, inner, transform, centre, joint, unit }
+        };
+        Self { chains: all.into_iter().map(add).collect() }
+    }
+
+    /// Puts the inner nodes and their inverse bind matrices, in the model's unit, into the lists of a skin. The lists hold
+    /// the joints of the palette, which come first.
+    pub(super) fn bind(&self, nodes: &mut Vec<NodeIndex>, inverse_binds: &mut Vec<Matrix3x4>) {
+        for Chain { inner, transform, centre, .. } in &self.chains {
             let [x, y, z] = centre.map(|x| -x);
-            proxies.inverse_binds.push([
-                [1.0, 0.0, 0.0, x],
-                [0.0, 1.0, 0.0, y],
-                [0.0, 0.0, 1.0, z],
-            ]);
+            let bind = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z]];
+            match nodes.get_mut(*transform).zip(inverse_binds.get_mut(*transform)) {
+                Some(place) => (*place.0, *place.1) = (*inner, bind),
+                None => {
+                    nodes.push(*inner);
+                    inverse_binds.push(bind);
+                }
+            }
         }
-        proxies
     }
 
-    /// Lists the nodes of the proxies in a skin.
-    pub(super) fn joints(&self) -> impl Iterator<Item = NodeIndex> + '_ {
-        self.chains.iter().map(|chain| chain.inner)
-    }
-
-    /// Makes the tracks of the proxies through palettes, whose last maps are the proxies' maps. `joints` are the world
-    /// frames of the joints.
-    pub(super) fn tracks(
-        &self,
-        palettes: &[Vec<Matrix3x4>],
-        joints: &[Vec<Isometry3<f64>>],
-    ) -> Vec<Track> {
-        let len = self.chains.len();
-        let tracks = self.chains.par_iter().enumerate().flat_map_iter(|(proxy, chain)| {
-            let maps = palettes.iter().map(|palette| &palette[palette.len() - len + proxy]);
+    /// Makes the tracks of the nodes through palettes. `joints` are the world frames of the joints.
+    pub(super) fn tracks(&self, palettes: &[Vec<Matrix3x4>], joints: &[Vec<Frame>]) -> Vec<Track> {
+        let tracks = self.chains.par_iter().flat_map_iter(|chain| {
+            let maps = palettes.iter().map(|palette| &palette[chain.transform]);
             chain.tracks(maps.zip(joints.iter().map(|joints| &joints[chain.joint])))
         });
         tracks.collect()
@@ -109,21 +112,21 @@ pub(super) fn carriers(
 }
 
 impl Chain {
-    fn tracks<'a>(
-        &self,
-        keys: impl Iterator<Item = (&'a Matrix3x4, &'a Isometry3<f64>)>,
-    ) -> [Track; 4] {
+    fn tracks<'a>(&self, keys: impl Iterator<Item = (&'a Matrix3x4, &'a Frame)>) -> [Track; 4] {
         let centre = Vector3::from(self.centre.map(f64::from));
         let (mut places, mut turns, mut scales, mut axes) = (vec![], vec![], vec![], vec![]);
         let mut before: Option<Stretch> = None;
         for (map, joint) in keys {
-            let back = joint.inverse();
+            let back = joint.rigid.inverse();
             let linear = Matrix3::from_fn(|row, column| f64::from(map[row][column]));
             let moved = linear * centre + Vector3::from(map.map(|row| f64::from(row[3])));
-            let linear = back.rotation.to_rotation_matrix() * linear;
+            let mut linear = back.rotation.to_rotation_matrix() * linear;
+            let mut place = back.transform_point(&moved.into()).coords / self.unit;
+            if let Some(unstretch) = &joint.unstretch {
+                (linear, place) = (unstretch * linear, unstretch * place);
+            }
             let stretch = Stretch::of(&linear, before.as_ref());
             before = Some(stretch);
-            let place = back.transform_point(&moved.into()).coords / self.unit;
             places.push(place.map(|x| x as f32).into());
             turns.push(quaternion(&turned(&stretch.turn)));
             scales.push(stretch.scale.map(|x| x as f32).into());
