@@ -98,7 +98,7 @@ def parse(arguments):
     parser.add_argument("--blend", type=Path, help="the file to open, outside of Blender")
     parser.add_argument("--mesh", action="append", help="a mesh object; may be given several times")
     parser.add_argument("--armature", help="the armature object")
-    parser.add_argument("--frames", help="FIRST:LAST or FIRST:LAST:STEP")
+    parser.add_argument("--frames", help="FIRST:LAST[:STEP]; the number of poses with --range-of-motion")
     parser.add_argument("--clips", choices=["strips", "one"], help="the NLA's strips, or all as one")
     parser.add_argument("--importance", metavar="GROUP", help="a vertex group")
     parser.add_argument("--bones", choices=["deforming", "all"], default="deforming")
@@ -834,7 +834,7 @@ def plan(movers, parents, count):
         own = [{} for _ in block]
         for name, channels in movers.items():
             moved = [number for number, names in enumerate(block) if name in names]
-            columns = [strata(len(moved), chance) for _ in channels]
+            columns = [strata(len(moved), channel, chance) for channel in channels]
             for row, number in enumerate(moved):
                 own[number][name] = [column[row] for column in columns]
         poses += own
@@ -855,11 +855,14 @@ def share_out(sets, count, each, gaps):
     return [names for names in shared for _ in range(count // places)]
 
 
-def strata(count, chance):
-    """Gives evenly spaced numbers from 0 to 1 in random order."""
-    if count == 1:
-        return [chance.random()]
-    numbers = [number / (count - 1) for number in range(count)]
+def strata(count, channel, chance):
+    """Gives evenly spaced numbers from 0 to 1 in random order, without an end at rest: other poses show it."""
+    owner, path, index, least, most = channel
+    rest = accessors(owner, path, index)[2]
+    first, steps = int(least == rest), count - 1 + (least == rest) + (most == rest)
+    if steps < 1:
+        return [chance.random() for _ in range(count)]
+    numbers = [number / steps for number in range(first, count + first)]
     chance.shuffle(numbers)
     return numbers
 

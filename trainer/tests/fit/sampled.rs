@@ -104,13 +104,13 @@ impl Pose {
 
     /// Returns whether each joint, and the curve last, has left its rest pose.
     fn moved(&self) -> [bool; 5] {
-        let turns = self.turns.map(|turn| turn.norm() > 1e-9);
+        let turns = self.turns.map(|turn| turn.norm() > 1e-6);
         [
             turns[0],
             turns[1],
             turns[2],
-            (self.stretch - REST.stretch).norm() > 1e-9,
-            self.curve.abs() > 1e-9,
+            (self.stretch - REST.stretch).norm() > 1e-6,
+            self.curve.abs() > 1e-6,
         ]
     }
 }
@@ -232,11 +232,11 @@ fn poses_stay_in_the_ranges_and_reach_every_end_alone() {
     assert_eq!((all.len(), poses.curves.len(), poses.joints), (150, 150, 3));
     for pose in &all {
         for (number, [least, most]) in numbers(pose).into_iter().zip(RANGES) {
-            assert!(number > least - 1e-9 && number < most + 1e-9, "{pose:?}");
+            assert!(number > least - 1e-6 && number < most + 1e-6, "{pose:?}");
         }
-        assert!(pose.turns[0].norm() < 1e-9 && pose.turns[3].norm() < 1e-9, "{pose:?}");
+        assert!(pose.turns[0].norm() < 1e-6 && pose.turns[3].norm() < 1e-6, "{pose:?}");
         let [_, upper, lower, _] = pose.turns;
-        assert!(upper.y.abs() + lower.y.abs() + lower.z.abs() < 1e-9, "{pose:?}");
+        assert!(upper.y.abs() + lower.y.abs() + lower.z.abs() < 1e-6, "{pose:?}");
     }
     for pose in &all[..poses.alone] {
         assert_eq!(pose.moved().iter().filter(|moved| **moved).count(), 1, "{pose:?}");
@@ -244,7 +244,9 @@ fn poses_stay_in_the_ranges_and_reach_every_end_alone() {
     for (place, [least, most]) in RANGES.into_iter().enumerate() {
         let own = || all[..poses.alone].iter().map(|pose| numbers(pose)[place]);
         let [low, high] = [own().fold(9.0, f64::min), own().fold(-9.0, f64::max)];
-        assert!((low - least).abs() < 1e-9 && (high - most).abs() < 1e-9, "{place}: {low} {high}");
+        // Other poses show an end at rest.
+        let is_low = least == 0.0 || (low - least).abs() < 1e-6;
+        assert!(is_low && (high - most).abs() < 1e-6, "{place}: {low} to {high}");
     }
 }
 
@@ -351,7 +353,7 @@ fn sampled_poses_train_as_well_as_clips() {
     // The skin of the closed form belongs to the sampled joints.
     for (own, other) in sampled.transforms.iter().zip(&poses.transforms) {
         let both = own.as_flattened().iter().zip(other.as_flattened());
-        assert!(both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-9, "{own:?} {other:?}");
+        assert!(both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-6, "{own:?} {other:?}");
     }
     let mut new = limb(&clips(5.0, 60));
     new.split = vec![Split::HeldOut; 60];

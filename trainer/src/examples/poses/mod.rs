@@ -74,9 +74,9 @@ pub fn sample_poses(rig: &Examples, request: &PoseRequest) -> Result<SampledPose
             }
         }));
     }
-    let lens: Vec<usize> = movers.iter().map(|mover| mover.len()).collect();
+    let rests: Vec<_> = movers.iter().map(|mover| mover.rests()).collect();
     let plan = plan(
-        &Movers { lens: &lens, parents: &carried.parents, curves: curves.len() },
+        &Movers { rests: &rests, parents: &carried.parents, curves: curves.len() },
         request.frames,
         request.seed,
     );

@@ -7,8 +7,8 @@ use std::cmp::Reverse;
 
 /// Joints, then curves.
 pub(super) struct Movers<'a> {
-    /// Number of freedoms of each mover; 0 if it keeps still.
-    pub(super) lens: &'a [usize],
+    /// Freedoms of each mover, none if it keeps still: whether the range begins, and whether it ends, at rest.
+    pub(super) rests: &'a [Vec<[bool; 2]>],
     /// Parent of each joint, J.
     pub(super) parents: &'a [Option<usize>],
     /// Number of curves.
@@ -27,7 +27,7 @@ pub(super) struct Plan {
 /// Plans `frame_len` frames: at most a third for movers alone, at most a third for pairs, and the rest for all movers.
 pub(super) fn plan(movers: &Movers<'_>, frame_len: usize, seed: u64) -> Plan {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let all: Vec<usize> = (0..movers.lens.len()).filter(|&mover| movers.lens[mover] > 0).collect();
+    let all: Vec<usize> = (0..movers.rests.len()).filter(|&mover| movers.moves(mover)).collect();
     let alone: Vec<Vec<usize>> = all.iter().map(|&mover| vec![mover]).collect();
     let mut pairs = movers.pairs();
     shuffle(&mut pairs, &mut random);
@@ -38,15 +38,15 @@ pub(super) fn plan(movers: &Movers<'_>, frame_len: usize, seed: u64) -> Plan {
     let paired = spread(&pairs, third, 1, &steps);
     let together = vec![all.clone(); frame_len - alone.len() - paired.len()];
 
-    let mut frames = vec![vec![None; movers.lens.iter().sum()]; frame_len];
+    let mut frames = vec![vec![None; movers.rests.iter().map(Vec::len).sum()]; frame_len];
     let mut before = 0;
     for block in [&alone, &paired, &together] {
         let mut freedom = 0;
-        for (mover, len) in movers.lens.iter().enumerate() {
+        for (mover, rests) in movers.rests.iter().enumerate() {
             let moved: Vec<usize> =
                 (0..block.len()).filter(|&frame| block[frame].contains(&mover)).collect();
-            for _ in 0..*len {
-                for (&frame, place) in moved.iter().zip(strata(moved.len(), &mut random)) {
+            for &rests in rests {
+                for (&frame, place) in moved.iter().zip(strata(moved.len(), rests, &mut random)) {
                     frames[before + frame][freedom] = Some(place);
                 }
                 freedom += 1;
@@ -58,13 +58,17 @@ pub(super) fn plan(movers: &Movers<'_>, frame_len: usize, seed: u64) -> Plan {
 }
 
 impl Movers<'_> {
+    fn moves(&self, mover: usize) -> bool {
+        !self.rests[mover].is_empty()
+    }
+
     /// Lists the pairs of movers that are neighbours: a joint and its parent, and every two curves.
     fn pairs(&self) -> Vec<Vec<usize>> {
         let joint_len = self.parents.len();
         let joints = (0..joint_len).filter_map(|joint| Some(vec![self.parents[joint]?, joint]));
         let curves = joint_len..joint_len + self.curves;
         let curves = curves.clone().flat_map(|a| (joint_len..a).map(move |b| vec![b, a]));
-        let moves = |pair: &Vec<usize>| pair.iter().all(|&mover| self.lens[mover] > 0);
+        let moves = |pair: &Vec<usize>| pair.iter().all(|&mover| self.moves(mover));
         joints.chain(curves).filter(moves).collect()
     }
 
@@ -82,7 +86,7 @@ impl Movers<'_> {
             };
             own.iter().enumerate().find_map(meet).unwrap_or(usize::MAX)
         };
-        let movers = 0..self.lens.len();
+        let movers = 0..self.rests.len();
         movers.clone().map(|a| movers.clone().map(|b| between(a, b)).collect()).collect()
     }
 }
@@ -117,11 +121,16 @@ fn spread(
 }
 
 /// Returns `len` evenly spaced numbers from 0 to 1 in random order; a random number if `len` is 1.
-fn strata(len: usize, random: &mut ChaCha8Rng) -> Vec<f64> {
-    if len == 1 {
-        return vec![random.random()];
+///
+/// - `rests`: whether 0, and whether 1, is the rest pose. Other frames show the rest pose, so it is left out.
+fn strata(len: usize, rests: [bool; 2], random: &mut ChaCha8Rng) -> Vec<f64> {
+    let [first, last] = rests.map(usize::from);
+    let steps = (len + first + last).saturating_sub(1);
+    if steps == 0 {
+        return (0..len).map(|_| random.random()).collect();
     }
-    let mut places: Vec<f64> = (0..len).map(|place| place as f64 / (len - 1) as f64).collect();
+    let mut places: Vec<f64> =
+        (first..len + first).map(|place| place as f64 / steps as f64).collect();
     shuffle(&mut places, random);
     places
 }

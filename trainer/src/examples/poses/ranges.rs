@@ -29,6 +29,11 @@ impl Freedoms {
         self.0.len()
     }
 
+    /// Returns whether the range of each freedom begins, and whether it ends, at rest.
+    pub(super) fn rests(&self) -> Vec<[bool; 2]> {
+        self.0.iter().map(|(_, range)| range.map(|end| end == 0.0)).collect()
+    }
+
     /// Returns the numbers at some places of their ranges.
     ///
     /// - `places`: from 0 to 1, one for each freedom; `None` at rest.
