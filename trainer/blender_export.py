@@ -19,10 +19,16 @@ Options: --mesh NAME, several times for several (all of the armature otherwise),
 scene's), --clips one (frames of no strip too, as one clip), --importance GROUP (a vertex counts as
 much as it weighs in the group: outside of it not at all, and fully in meshes without the group),
 --bones all (the deforming ones otherwise).
+
+--range-of-motion poses the rig by itself: each moved bone and property alone, with its neighbours, and all
+together, in --frames N poses (150 otherwise). Rotations stay within the bones' Limit Rotation constraints
+and IK limits, everything else within its keys. --degrees D turns the keyed bones (the written ones without
+keys) by up to D degrees instead, and moves shape keys and the properties that drive them over their sliders.
 """
 
 import argparse
 import math
+import random
 import sys
 from functools import partial
 from pathlib import Path
@@ -46,19 +52,29 @@ def main(arguments):
     scene = bpy.context.scene
     meshes, armature = find(scene, options)
     bones = deforming(armature, options.bones)
-    clips = chosen_clips(scene, armature, options)
+    moved = None
+    if options.range_of_motion:
+        moved = RangeOfMotion(scene, armature, meshes, bones, options)
+        clips = [("Range of motion", moved.frames)]
+    else:
+        clips = chosen_clips(scene, armature, options)
     frames = [frame for _, own in clips for frame in own]
     before = scene.frame_current
     try:
+        if moved:
+            moved.insert_keys()
         parts, rest, shapes = at_rest(scene, frames[0], meshes, armature, bones, options.importance)
         posed = poses(scene, meshes, parts, armature, rest, bones, frames)
     finally:
+        if moved:
+            moved.restore()
         scene.frame_set(before)
     examples = {
         **joined(meshes, parts),
         **skeleton(rest, bones),
         **posed,
         **told(scene, clips, frames),
+        **(moved.curves() if moved else {}),
     }
     # The last name decides the format: numpy would add .npz to any other.
     with open(options.output, "wb") as file:
@@ -82,11 +98,15 @@ def parse(arguments):
     parser.add_argument("--blend", type=Path, help="the file to open, outside of Blender")
     parser.add_argument("--mesh", action="append", help="a mesh object; may be given several times")
     parser.add_argument("--armature", help="the armature object")
-    parser.add_argument("--frames", help="FIRST:LAST or FIRST:LAST:STEP")
+    parser.add_argument("--frames", help="FIRST:LAST[:STEP]; the number of poses with --range-of-motion")
     parser.add_argument("--clips", choices=["strips", "one"], help="the NLA's strips, or all as one")
     parser.add_argument("--importance", metavar="GROUP", help="a vertex group")
     parser.add_argument("--bones", choices=["deforming", "all"], default="deforming")
+    parser.add_argument("--range-of-motion", action="store_true", help="pose the rig: --frames N poses")
+    parser.add_argument("--degrees", type=float, metavar="D", help="the range of motion of every bone")
     options = parser.parse_args(arguments)
+    if options.degrees is not None and not (options.range_of_motion and 0 < options.degrees <= 180):
+        parser.error("--degrees: expected up to 180 degrees, with --range-of-motion")
     if options.output.suffix != ".npz":
         parser.error(f"{options.output}: expected a name that ends in .npz")
     return options
@@ -513,6 +533,338 @@ class Evaluated:
 
     def __exit__(self, *_):
         self.thing.to_mesh_clear()
+
+
+# Range of motion: poses as `sinew poses` samples them.
+# Share of a keyed range that is added on either side. An end this near to rest stays.
+MARGIN = 0.1
+# Turning channels of a bone by its rotation mode; the other modes are Euler angles.
+TURNS = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+
+
+class RangeOfMotion:
+    """Poses in which the bones and properties of a rig move alone, with neighbours, and all together.
+
+    A mover is a bone or a property. Its channels are (owner, path, index, lowest, highest).
+    """
+
+    def __init__(self, scene, armature, meshes, bones, options):
+        try:
+            count = int(options.frames or 150)
+        except ValueError:
+            count = 0
+        if count < 6:
+            raise Problem(f"--frames {options.frames}: with --range-of-motion, expected a number of poses from 6")
+        self.frames = list(range(1, count + 1))
+        self.armature, self.back, self.movers, self.columns = armature, [], {}, {}
+        keys = keyed_ranges(scene)
+        turned = {bone_of(c[0], c[1], armature) for c in keys if is_bone(c[1])} - {None}
+        if options.degrees:
+            keys, turned = {}, turned or turning_bones(armature, bones)
+        for bone in armature.pose.bones:
+            if turned and bone.name not in turned:
+                # Limits of a mechanism's bones are no controls.
+                continue
+            channels = rotations(armature, bone, keys, options.degrees)
+            if channels:
+                self.movers[bone.name] = channels
+        limited = set(self.movers)
+        for (owner, path, index), ends in keys.items():
+            name = (owner, path)
+            if is_bone(path):
+                name = bone_of(owner, path, armature)
+            if name and not (name in limited and ".rotation_" in path):
+                self.movers.setdefault(name, []).append((owner, path, index, *ends))
+        if all(isinstance(mover, str) for mover in self.movers):
+            self.movers.update((channel[:2], [channel]) for channel in sliders(meshes))
+        if not self.movers:
+            raise Problem(f"no key and no limit says how far {armature.name} moves: give --degrees D, or limit the "
+                          "bones' rotation")
+        self.plan = plan(self.movers, self.parents(), count)
+
+    def parents(self):
+        """Gives the nearest moved ancestor of each moved bone."""
+        found = {}
+        for name in self.movers:
+            if isinstance(name, str):
+                above = self.armature.pose.bones[name].parent
+                while above is not None and above.name not in self.movers:
+                    above = above.parent
+                found[name] = above and above.name
+        return found
+
+    def insert_keys(self):
+        """Puts the poses into new actions, a frame each."""
+        owners = [c[0] for channels in self.movers.values() for c in channels]
+        for owner in dict.fromkeys([self.armature, *owners]):
+            data = owner.animation_data or owner.animation_data_create()
+            slot = getattr(data, "action_slot", None)
+            self.back.append(partial(put_action, owner, data.action, slot, data.use_nla))
+            data.use_nla, data.action = False, None
+        for name, channels in self.movers.items():
+            if isinstance(name, str) and any("rotation_euler" in c[1] for c in channels):
+                bone = self.armature.pose.bones[name]
+                if bone.rotation_mode in ("QUATERNION", "AXIS_ANGLE"):
+                    self.back.append(partial(setattr, bone, "rotation_mode", bone.rotation_mode))
+                    bone.rotation_mode = "XYZ"
+            for number, channel in enumerate(channels):
+                owner, path, index, least, most = channel
+                get, put, default = accessors(owner, path, index)
+                self.back.append(partial(put, get()))
+                element = index if hasattr(owner.path_resolve(path), "__len__") else -1
+                values = []
+                for frame, places in zip(self.frames, self.plan):
+                    place = places.get(name)
+                    put(default if place is None else least + (most - least) * place[number])
+                    values.append(get())
+                    owner.keyframe_insert(path, index=element, frame=frame)
+                if not isinstance(name, str):
+                    curve = curve_name(owner, path) + (f"[{index}]" if len(channels) > 1 else "")
+                    self.columns[f"{owner.name} {curve}" if curve in self.columns else curve] = values
+
+    def restore(self):
+        for back in reversed(self.back):
+            back()
+
+    def curves(self):
+        """Gives the values of the properties in every pose."""
+        if not self.columns:
+            return {}
+        names, values = list(self.columns), np.array(list(self.columns.values()), float).T
+        return {"curves": values, "curve_names": np.array(names)}
+
+
+def put_action(owner, action, slot, use_nla):
+    data = owner.animation_data
+    made = data.action
+    data.action, data.use_nla = action, use_nla
+    if slot is not None:
+        data.action_slot = slot
+    if made is not None:
+        bpy.data.actions.remove(made)
+
+
+def is_bone(path):
+    return path.startswith("pose.bones[") and not path.endswith("]")
+
+
+def bone_of(owner, path, armature):
+    """Gives the name of the armature's bone that a path moves; none if it moves another or nothing."""
+    holder, _, name = path.rpartition(".")
+    if owner != armature:
+        return None
+    bone = owner.path_resolve(holder)
+    return None if name.startswith("rotation_") and name != turning(bone) else bone.name
+
+
+def turning(bone):
+    return TURNS.get(bone.rotation_mode, "rotation_euler")
+
+
+def turning_bones(armature, bones):
+    """Gives the names of the written bones that nothing else turns, else of the controls: bones with a custom shape."""
+    def is_free(bone):
+        driven = any(not c.mute and not c.type.startswith("LIMIT_") for c in bone.constraints)
+        return not driven and not all(bone.lock_rotation)
+
+    free = [bone for bone in armature.pose.bones if is_free(bone)]
+    written = {bone.name for bone in bones}
+    return {b.name for b in free if b.name in written} or {b.name for b in free if b.custom_shape}
+
+
+def keyed_ranges(scene):
+    """Gives the range of the keys of each bone channel, custom property and shape key, and a margin."""
+    owners = [scene, scene.world]
+    for thing in scene.objects:
+        owners += [thing, thing.data, getattr(thing.data, "shape_keys", None)]
+    found = {}
+    for owner in dict.fromkeys(owner for owner in owners if owner is not None):
+        for curve in curves_moving(owner):
+            path, index = curve.data_path, curve.array_index
+            holder, _, name = path.rpartition(".")
+            shape = holder.startswith("key_blocks[") and name == "value"
+            bone = holder.startswith("pose.bones[") and name.startswith(TRANSFORMS)
+            own = path.endswith('"]') and not path.startswith("modifiers[")
+            access = (shape or bone or own) and accessors(owner, path, index)
+            if access:
+                values = [point.co[1] for point in curve.keyframe_points] + [access[2]]
+                least, most = found.get((owner, path, index), (access[2], access[2]))
+                found[owner, path, index] = min(values + [least]), max(values + [most])
+    for (owner, path, index), (least, most) in list(found.items()):
+        rest, margin = accessors(owner, path, index)[2], MARGIN * (most - least)
+        if margin < 1e-5:
+            del found[owner, path, index]
+            continue
+        least -= margin if rest - least > margin else 0
+        most += margin if most - rest > margin else 0
+        found[owner, path, index] = least, most
+    return found
+
+
+def curves_moving(owner):
+    """Lists the animation curves of a data-block: of its action and its strips."""
+    data = owner.animation_data
+    if data is None:
+        return []
+    strips = [s for t in data.nla_tracks if not t.mute for s in t.strips] if data.use_nla else []
+    actions = {data.action}
+    while strips:
+        strip = strips.pop()
+        actions.add(strip.action)
+        strips += getattr(strip, "strips", [])
+    return [curve for action in actions - {None} for curve in curves_of(action)]
+
+
+def accessors(owner, path, index):
+    """Gives functions that read and write a number, and its default; none for other properties."""
+    try:
+        if path.endswith("]"):
+            holder, _, name = path[:-2].rpartition('["')
+            name = bpy.utils.unescape_identifier(name)
+            holder = owner.path_resolve(holder) if holder else owner
+            default = holder.id_properties_ui(name).as_dict().get("default", 0)
+            get, put = partial(holder.__getitem__, name), partial(holder.__setitem__, name)
+        else:
+            holder, _, name = path.rpartition(".")
+            holder = owner.path_resolve(holder)
+            prop = holder.bl_rna.properties[name]
+            # A shape key is off at rest; Blender 5 adds new ones switched on.
+            default = 0 if name == "value" else prop.default_array if prop.is_array else prop.default
+            get, put = partial(getattr, holder, name), partial(setattr, holder, name)
+        value = get()
+        if hasattr(value, "__len__") and not isinstance(value, str):
+            default = default[index] if hasattr(default, "__len__") else default
+
+            def put_one(number):
+                whole = list(get())
+                whole[index] = number
+                put(whole)
+
+            return (lambda: get()[index]), put_one, default
+        kind = type(value)
+        if kind is not float:
+            return get, (lambda number: put(kind(round(number)))), kind(default)
+        return get, put, default
+    except (AttributeError, KeyError, TypeError, ValueError, IndexError):
+        return None
+
+
+def rotations(armature, bone, keys, degrees):
+    """Gives the channels by which a bone turns: within its limits, or by some degrees."""
+    limits = {}
+    for axis, name in enumerate("xyz"):
+        if getattr(bone, f"use_ik_limit_{name}"):
+            limits[axis] = [getattr(bone, f"ik_{end}_{name}") for end in ("min", "max")]
+        for limit in bone.constraints:
+            if (limit.type == "LIMIT_ROTATION" and limit.owner_space == "LOCAL" and not limit.mute
+                    and getattr(limit, f"use_limit_{name}")):
+                limits[axis] = [getattr(limit, f"{end}_{name}") for end in ("min", "max")]
+    if degrees:
+        for axis in range(3):
+            limits.setdefault(axis, [-math.radians(degrees), math.radians(degrees)])
+    base = f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"].'
+    if bone.rotation_mode in TURNS and any((armature, base + turning(bone), i) in keys for i in range(4)):
+        # Keyed quaternions are no angles about axes; the limits hold all the same.
+        return []
+    return [(armature, base + "rotation_euler", axis, *ends) for axis, ends in sorted(limits.items())
+            if not bone.lock_rotation[axis] and ends[1] > ends[0]]
+
+
+def sliders(meshes):
+    """Gives the shape keys that nothing drives, and the custom properties that drive others, over their sliders."""
+    found = {}
+    for keys in dict.fromkeys(mesh.data.shape_keys for mesh in meshes):
+        if keys is None or not keys.use_relative:
+            continue
+        drivers = list(keys.animation_data.drivers) if keys.animation_data else []
+        driven = {driver.data_path for driver in drivers}
+        for key in keys.key_blocks:
+            path = key.path_from_id("value")
+            if key != keys.reference_key and path not in driven and not key.mute:
+                found[keys, path] = (keys, path, 0, key.slider_min, key.slider_max)
+        targets = [t for d in drivers for v in d.driver.variables if v.type == "SINGLE_PROP" for t in v.targets]
+        for target in targets:
+            path = target.data_path
+            if target.id is not None and path.endswith('"]') and accessors(target.id, path, 0):
+                holder, _, name = path[:-2].rpartition('["')
+                holder = target.id.path_resolve(holder) if holder else target.id
+                ends = holder.id_properties_ui(bpy.utils.unescape_identifier(name)).as_dict()
+                # A property without sliders has the range of all numbers.
+                ends = [ends.get("soft_min", 0), ends.get("soft_max", 1)]
+                ends = ends if max(map(abs, ends)) < 1e3 else [0, 1]
+                found[target.id, path] = (target.id, path, 0, *ends)
+    return list(found.values())
+
+
+def curve_name(owner, path):
+    if path.startswith("key_blocks["):
+        return owner.path_resolve(path.rpartition(".")[0]).name
+    return bpy.utils.unescape_identifier(path[:-2].rpartition('["')[2])
+
+
+def plan(movers, parents, count):
+    """Plans poses: at most a third for movers alone, at most a third for pairs, and the rest for all.
+
+    Each pose has a place from 0 to 1 in the range of each channel of the movers that move in it.
+    """
+    chance = random.Random(0)
+    joints = [name for name in movers if isinstance(name, str)]
+    others = [name for name in movers if not isinstance(name, str)]
+    pairs = [[parents[name], name] for name in joints if parents[name]]
+    pairs += [[a, b] for number, b in enumerate(others) for a in others[:number]]
+    chance.shuffle(pairs)
+    lines = {name: [name] for name in joints}
+    for line in lines.values():
+        while parents[line[-1]]:
+            line.append(parents[line[-1]])
+
+    def steps(a, b):
+        if a == b:
+            return 0
+        if a not in lines or b not in lines:
+            return 1
+        return next((up + lines[b].index(name) for up, name in enumerate(lines[a]) if name in lines[b]), math.inf)
+
+    # Two poses reach both ends of a range.
+    gaps = {a: {b: steps(a, b) for b in movers} for a in movers}
+    alone = share_out([[name] for name in movers], count // 3, 2, gaps)
+    paired = share_out(pairs, count // 3, 1, gaps)
+    poses = []
+    for block in (alone, paired, [list(movers)] * (count - len(alone) - len(paired))):
+        own = [{} for _ in block]
+        for name, channels in movers.items():
+            moved = [number for number, names in enumerate(block) if name in names]
+            columns = [strata(len(moved), channel, chance) for channel in channels]
+            for row, number in enumerate(moved):
+                own[number][name] = [column[row] for column in columns]
+        poses += own
+    return poses
+
+
+def share_out(sets, count, each, gaps):
+    """Gives each set of movers its own poses; if there are too few, sets that are far apart share them."""
+    places = min(len(sets), count // each)
+    shared = [set() for _ in range(places)]
+    nearest = [dict.fromkeys(gaps, math.inf) for _ in range(places)]
+    for movers in sets if places else []:
+        best = max(range(places), key=lambda at: (
+            min(nearest[at][name] for name in movers), -len(shared[at]), -at))
+        shared[best].update(movers)
+        for name in movers:
+            nearest[best] = {other: min(gap, gaps[name][other]) for other, gap in nearest[best].items()}
+    return [names for names in shared for _ in range(count // places)]
+
+
+def strata(count, channel, chance):
+    """Gives evenly spaced numbers from 0 to 1 in random order, without an end at rest: other poses show it."""
+    owner, path, index, least, most = channel
+    rest = accessors(owner, path, index)[2]
+    first, steps = int(least == rest), count - 1 + (least == rest) + (most == rest)
+    if steps < 1:
+        return [chance.random() for _ in range(count)]
+    numbers = [number / steps for number in range(first, count + first)]
+    chance.shuffle(numbers)
+    return numbers
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ mod frames;
 mod import;
 mod importance;
 mod joints;
+mod poses;
 #[cfg(test)]
 pub(crate) mod testing;
 mod validate;
@@ -26,4 +27,5 @@ pub use frames::{FrameName, check_share, numbered};
 pub use import::{Loaded, Source, has_no_mesh, join, load, load_motion, load_poses, npz};
 pub(crate) use import::{best_order, is_shuffled};
 pub use importance::{Importance, load_importance};
+pub use poses::{PoseRequest, SampledPoses, sample_poses, save_poses};
 pub use warning::{Severity, Warning};

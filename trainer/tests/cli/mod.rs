@@ -13,6 +13,7 @@ mod kernel_refused;
 mod kernel_samples;
 mod millimetres;
 mod observations;
+mod poses;
 mod refusals;
 mod report;
 mod several;

@@ -13,6 +13,7 @@ mod odd_characters;
 mod poses;
 mod published;
 mod real_sets;
+mod sampled;
 mod scenes;
 mod seams;
 mod shapes;

@@ -7,6 +7,8 @@
 - Style: always 0.5, without keys and without a driver.
 - Calm: driven by a custom property of the armature's data, without keys, 0.25.
 
+The bone may turn from -0.5 to 0.8 about x, which its keys do not use up.
+
 The scene is saved at its last frame.
 """
 
@@ -44,6 +46,9 @@ for name, vertex, axis in (
     keys[name].data[vertex].co[axis] += 0.1
 head = rig.pose.bones["head"]
 head.rotation_mode = "XYZ"
+limit = head.constraints.new("LIMIT_ROTATION")
+limit.owner_space = "LOCAL"
+limit.use_limit_x, limit.min_x, limit.max_x = True, -0.5, 0.8
 head["smile"], rig["puff"], rig.data["calm"] = 0.0, 0.5, 0.25
 rig.id_properties_ui("puff").update(default=0.5)
 

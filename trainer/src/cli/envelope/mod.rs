@@ -5,12 +5,14 @@ mod demo;
 mod eval;
 mod export;
 mod levels;
+mod poses;
 mod report;
 mod table;
 mod train;
 
 commands! {
     Demo(demo::Demo),
+    Poses(poses::PosesArgs),
     Check(check::CheckArgs),
     Train(train::Train),
     Eval(eval::Eval),
