@@ -18,6 +18,7 @@ mod validate;
 mod warning;
 
 pub use crate::formats::scene::{Clip, JointNames, RATES};
+pub use curves::Curves;
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub(crate) use data::{diagonal, spread};
 pub use distortion::{Distortion, RIGID};

@@ -1,5 +1,6 @@
 //! The skins of a glTF file, joined into one skeleton, and the scene that they move in.
 
+use super::curves::{NamedTargets, named_targets};
 use super::file::{Parsed, no_such, numbers, other_count};
 use super::keys::ClipKeys;
 use super::meshes::{Meshes, no_skin};
@@ -204,6 +205,8 @@ pub(super) struct Scene<'a> {
     pub(super) nodes: &'a Nodes,
     pub(super) meshes: Meshes,
     pub(super) animations: Vec<ClipKeys>,
+    /// Morph targets whose weights are curves.
+    pub(super) named: Vec<NamedTargets>,
 }
 
 /// A time of a clip; without a clip, the scene without animation.
@@ -216,10 +219,13 @@ pub(super) struct Moment<'a> {
 impl<'a> Scene<'a> {
     /// Reads the animations that move some meshes.
     ///
+    /// - `curves`: whether weights of named morph targets are curves.
+    ///
     /// # Errors
     /// Those of [`ClipKeys::read`].
-    pub(super) fn new(file: &'a Parsed, meshes: Meshes) -> Result<Self, Error> {
-        Ok(Self { nodes: &file.nodes, meshes, animations: ClipKeys::read(file)? })
+    pub(super) fn new(file: &'a Parsed, meshes: Meshes, curves: bool) -> Result<Self, Error> {
+        let named = if curves { named_targets(file) } else { Vec::new() };
+        Ok(Self { nodes: &file.nodes, meshes, animations: ClipKeys::read(file)?, named })
     }
 
     /// Lists the clips to read and their sample times, for these moving joints or other nodes.
@@ -244,7 +250,8 @@ impl<'a> Scene<'a> {
         let parents = self.nodes.tree.parents_among(joints);
         let (mut clips, mut moments, mut idle) = (Vec::new(), Vec::new(), Vec::new());
         for keys in self.animations.iter().filter(|keys| sampling.takes(&keys.name)) {
-            let times = keys.times(|node| moved[node], |node| self.shows(node));
+            let is_named = |node| self.named.iter().any(|own| own.node == node);
+            let times = keys.times(|node| moved[node], |node| self.shows(node) || is_named(node));
             let pose = |time| {
                 let worlds = self.nodes.worlds(&self.at(&Moment { clip: Some(keys), time }).0);
                 Ok(joints.iter().map(|&node| worlds[node]).collect())
