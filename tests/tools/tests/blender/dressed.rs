@@ -83,36 +83,41 @@ fn looks_live_through_the_script_as_through_fbx() {
     assert_eq!(found.0, BTreeMap::from(materials));
     assert_eq!(found, looks(&glb(&scene, &other.examples, &other.clips)));
 
-    // Every corner has the normal that FBX gives it.
-    let [own, other] = [&own.examples, &other.examples].map(|all| all.engine.as_ref().unwrap());
-    let [own_normals, other_normals] = [own, other].map(|all| all.normals.as_ref().unwrap());
-    let moved = |[x, y, z]: [f64; 3]| [x, -z, y];
-    let apart = |a: [f64; 3], b: [f64; 3]| {
-        a.into_iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    for (all, others) in
-        [((own, own_normals), (other, other_normals)), ((other, other_normals), (own, own_normals))]
-    {
-        let is_own = std::ptr::eq(all.0, own);
-        for (copy, vertex) in all.0.copy_of.iter().enumerate() {
-            let same = others.0.copy_of.iter().zip(others.1).filter(|(other, _)| *other == vertex);
-            let nearest = same.map(|(_, normal)| match is_own {
-                true => apart(all.1[copy], moved(*normal)),
-                false => apart(moved(all.1[copy]), *normal),
-            });
-            let nearest = nearest.fold(f64::INFINITY, f64::min);
-            assert!(nearest < 1e-4, "vertex {vertex}: {nearest}");
+    // Every corner has the normal that FBX gives it, in other axes and units.
+    let same = |x: [f64; 3], _: f64| x;
+    let moved = |[x, y, z]: [f64; 3], unit: f64| [x, -z, y].map(|x| unit * x);
+    let (own, other) = (corners(&own.examples, same), corners(&other.examples, moved));
+    for (all, others) in [(&own, &other), (&other, &own)] {
+        for corner in all {
+            let is_same =
+                |other: &[f64; 6]| corner.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-4);
+            assert!(others.iter().any(is_same), "{corner:?}");
         }
     }
+    let normals_at = |at: [f64; 3]| -> Vec<[f64; 3]> {
+        let there = own.iter().filter(|x| (0..3).all(|axis| (x[axis] - at[axis]).abs() < 1e-6));
+        there.map(|&[.., x, y, z]| [x, y, z]).collect()
+    };
     // The waist is hard: its vertices have one normal above and another below.
-    let waist = (0..own.copy_of.len()).filter(|&copy| own.copy_of[copy] == 6 * 8);
-    let mut up: Vec<f64> = waist.map(|copy| own_normals[copy][2]).collect();
+    let mut up: Vec<f64> = normals_at([0.2, 0.0, 1.0]).iter().map(|normal| normal[2]).collect();
     up.sort_by(f64::total_cmp);
     let slope = 0.1 / 1.0_f64.hypot(0.1);
     assert!((up[0] + slope).abs() < 0.01 && (up[up.len() - 1] - slope).abs() < 0.01, "{up:?}");
-    // The flag's second vertex has its custom normal.
-    let flag = own.copy_of.iter().position(|vertex| *vertex == 13 * 8 + 1).unwrap();
-    assert!(apart(own_normals[flag], [0.6, -0.8, 0.0]) < 1e-3, "{:?}", own_normals[flag]);
+    // The custom normal of the flag's second vertex.
+    let [flag] = normals_at([0.8, 0.0, 1.6])[..] else { panic!() };
+    let expected = [0.6, -0.8, 0.0];
+    assert!((0..3).all(|axis| (flag[axis] - expected[axis]).abs() < 1e-3), "{flag:?}");
+}
+
+/// Lists position and normal of every engine vertex, moved to the script's axes and unit.
+fn corners(examples: &Examples, moved: fn([f64; 3], f64) -> [f64; 3]) -> Vec<[f64; 6]> {
+    let engine = examples.engine.as_ref().unwrap();
+    let pairs = engine.copy_of.iter().zip(engine.normals.as_ref().unwrap());
+    let corner = |(vertex, normal): (&usize, &[f64; 3])| {
+        let ([a, b, c], [x, y, z]) = (moved(examples.rest[*vertex], 0.01), moved(*normal, 1.0));
+        [a, b, c, x, y, z]
+    };
+    pairs.map(corner).collect()
 }
 
 #[test]

@@ -267,7 +267,7 @@ fn overlapping_strips_play_one_at_a_time_and_growing_modifiers_are_named() {
         "{noted}"
     );
     let Loaded { examples, clips, .. } = npz::load(&path).unwrap();
-    let fps = 24.0 / 1.001;
+    let fps = 24.0 / f64::from(1.001_f32);
     let again = clip("Again", 6, fps, &[7, 8, 9]);
     assert_eq!(clips, [clip("Bend", 0, fps, &[1, 2, 3]), clip("Twist", 3, fps, &[2, 3, 4]), again]);
     assert_eq!(examples.ranges[0].0, "Limb", "the scene's order");

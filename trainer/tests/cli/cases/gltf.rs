@@ -194,6 +194,12 @@ fn joints_that_stretch_are_told_from_a_growing_character() {
     glb.write(&folder, "grows.glb");
     glb.json["nodes"][4]["scale"] = json!([0.01, 0.01, 0.01]);
     glb.write(&folder, "centimetres.glb");
+    let positions = glb.values(&json!(0));
+    let extent = [0, 1, 2].map(|axis| {
+        let all = positions.iter().skip(axis).step_by(3).copied();
+        all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+    });
+    let size = extent.iter().map(|x| x * x).sum::<f64>().sqrt();
     for (file, metres) in [("grows.glb", 1.0), ("centimetres.glb", 0.01)] {
         assert!(lbs(&folder, file) <= 1e-4, "{file}");
         let message = run(&folder, &format!("train --predictor kernel {file} -o m.sinew")).err;
@@ -202,7 +208,7 @@ fn joints_that_stretch_are_told_from_a_growing_character() {
         let found = run(&folder, &format!("-q eval m.sinew {file} --json")).out;
         let found: Value = serde_json::from_str(&found).unwrap();
         let diagonal = found["diagonal_mm"].as_f64().unwrap() / metres;
-        assert!((2000.0..3000.0).contains(&diagonal), "{file}: {diagonal}");
+        assert!((diagonal / (1000.0 * size) - 1.0).abs() < 1e-4, "{file}: {diagonal}, {size}");
     }
 }
 
