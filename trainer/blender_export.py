@@ -3,9 +3,12 @@
 Whatever Blender shows is what is written: muscles, correctives, simulation, any modifier that keeps
 the meshes' vertices. For each frame it evaluates the meshes and the bones that deform them, in
 world space. All visible meshes of the armature are joined, in the scene's order; the strips of its
-NLA become clips by name, or all frames are one clip called as its action. Names, frame rate and
-numbers, axes, unit, joint weights (vertex groups called as bones) and texture coordinates go with
-them.
+NLA become clips by name, or all frames are one clip called as its action. Strips that overlap play
+one at a time. Names, frame rate and numbers, axes, unit, joint weights (vertex groups called as
+bones), texture coordinates, normals with hard edges, materials and their images go with them.
+
+Keyed custom properties and shape keys become curves: numbers that move the skin beside the bones.
+`sinew train --curves none` ignores them.
 
 The rest mesh is taken at the first frame, with the armature in its rest position. Every keyed shape
 key, custom property and bone has its default there, and drivers follow. Properties without keys keep
@@ -16,9 +19,10 @@ their value in all frames, and at rest too.
 
 Options: --mesh NAME, several times for several (all of the armature otherwise), --armature NAME
 (needed where there are several), --frames FIRST:LAST[:STEP] (the strips' own otherwise, or the
-scene's), --clips one (frames of no strip too, as one clip), --importance GROUP (a vertex counts as
-much as it weighs in the group: outside of it not at all, and fully in meshes without the group),
---bones all (the deforming ones otherwise).
+scene's), --clips one (frames of no strip too, as one clip), --actions (every action that moves the
+armature is a clip), --curves all (driven properties and shape keys too) or none, --importance GROUP
+(a vertex counts as much as it weighs in the group: outside of it not at all, and fully in meshes
+without the group), --bones all (the deforming ones otherwise).
 
 --range-of-motion poses the rig by itself: each moved bone and property alone, with its neighbours, and all
 together, in --frames N poses (150 otherwise). Rotations stay within the bones' Limit Rotation constraints
@@ -27,9 +31,11 @@ keys) by up to D degrees instead, and moves shape keys and the properties that d
 """
 
 import argparse
+import json
 import math
 import random
 import sys
+from collections import namedtuple
 from functools import partial
 from pathlib import Path
 
@@ -41,65 +47,93 @@ FRACTION = 1e-3
 ONE = "--clips one takes every frame, as one clip"
 
 
+# A clip: its name, the numbers of its frames, and a function that lets it play alone.
+Clip = namedtuple("Clip", "name frames play")
+
+# A number that may become a curve: its name, the thing that has it, a function that reads it from the
+# evaluated scene, and whether a driver computes it.
+Control = namedtuple("Control", "name holder read driven")
+
+
 class Problem(Exception):
     """Something about the scene that the user can mend."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message):
+        raise Problem(f"{message} (--help explains the options)")
 
 
 def main(arguments):
     options = parse(arguments)
     if options.blend:
-        bpy.ops.wm.open_mainfile(filepath=str(options.blend))
+        open_scene(options.blend)
+    if not options.output.parent.is_dir():
+        raise Problem(f"{options.output.parent}: there is no such folder, make it first")
     scene = bpy.context.scene
     meshes, armature = find(scene, options)
     bones = deforming(armature, options.bones)
-    moved = None
-    if options.range_of_motion:
-        moved = RangeOfMotion(scene, armature, meshes, bones, options)
-        clips = [("Range of motion", moved.frames)]
-    else:
-        clips = chosen_clips(scene, armature, options)
-    frames = [frame for _, own in clips for frame in own]
-    before = scene.frame_current
+    restore = kept(scene, armature, meshes)
+    moved = RangeOfMotion(scene, armature, meshes, bones, options) if options.range_of_motion else None
     try:
         if moved:
             moved.insert_keys()
+            clips = [Clip("Range of motion", moved.frames, lambda: None)]
+        else:
+            clips = chosen_clips(scene, armature, meshes, options)
+        frames = [frame for clip in clips for frame in clip.frames]
+        clips[0].play()
         parts, rest, shapes = at_rest(scene, frames[0], meshes, armature, bones, options.importance)
-        posed = poses(scene, meshes, parts, armature, rest, bones, frames)
+        found = controls(scene, meshes, armature, options.curves)
+        posed, values = poses(scene, meshes, parts, armature, rest, bones, clips, found)
     finally:
         if moved:
             moved.restore()
-        scene.frame_set(before)
+        restore()
+    curves = named_curves(found, values, options.curves)
     examples = {
         **joined(meshes, parts),
         **skeleton(rest, bones),
         **posed,
+        **curves,
+        **appearance(meshes, parts),
         **told(scene, clips, frames),
-        **(moved.curves() if moved else {}),
     }
     # The last name decides the format: numpy would add .npz to any other.
-    with open(options.output, "wb") as file:
-        np.savez_compressed(file, **examples)
-    names = ", ".join(f"{name} ({own[0]} to {own[-1]})" for name, own in clips)
+    try:
+        with open(options.output, "wb") as file:
+            np.savez_compressed(file, **examples)
+    except OSError as error:
+        raise Problem(f"{options.output}: cannot be written ({error.strerror}): give another name")
+    names = ", ".join(f"{clip.name} ({clip.frames[0]} to {clip.frames[-1]})" for clip in clips)
+    curve_names = ", ".join(curves.get("curve_names", []))
     print(
         f"wrote {options.output}: {len(examples['rest'])} vertices, {len(bones)} joints, "
         f"{len(frames)} frames at {float(examples['fps']):g} a second\n"
         f"  meshes: {', '.join(mesh.name for mesh in meshes)}\n"
         f"  clips: {names}\n"
-        f"  rest mesh: of frame {frames[0]}, armature, keys and drivers at rest"
+        + (f"  curves: {curve_names}\n" if curve_names else "")
+        + f"  rest mesh: of frame {frames[0]}, armature, keys and drivers at rest"
     )
     if shapes:
         note(f"shape keys that are on at rest, as no key moves them: {', '.join(shapes)}")
 
 
 def parse(arguments):
-    parser = argparse.ArgumentParser(prog="blender_export.py", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser(prog="blender_export.py", description=__doc__,
+                    formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("output", type=Path, help="where to write the examples (.npz)")
     parser.add_argument("--blend", type=Path, help="the file to open, outside of Blender")
     parser.add_argument("--mesh", action="append", help="a mesh object; may be given several times")
     parser.add_argument("--armature", help="the armature object")
     parser.add_argument("--frames", help="FIRST:LAST[:STEP]; the number of poses with --range-of-motion")
-    parser.add_argument("--clips", choices=["strips", "one"], help="the NLA's strips, or all as one")
+    clips = parser.add_mutually_exclusive_group()
+    clips.add_argument("--clips", choices=["strips", "one"], help="the NLA's strips, or all as one")
+    clips.add_argument("--actions", action="store_true", help="a clip for each action of the armature")
+    parser.add_argument("--curves", choices=["keyed", "all", "none"], default="keyed",
+                        help="custom properties and shape keys that become curves")
     parser.add_argument("--importance", metavar="GROUP", help="a vertex group")
     parser.add_argument("--bones", choices=["deforming", "all"], default="deforming")
     parser.add_argument("--range-of-motion", action="store_true", help="pose the rig: --frames N poses")
@@ -114,6 +148,19 @@ def parse(arguments):
 
 def note(text):
     print(f"blender_export.py: {text}", file=sys.stderr)
+
+
+def open_scene(path):
+    if not path.is_file():
+        raise Problem(f"{path}: there is no such file")
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path))
+    except RuntimeError as error:
+        raise Problem(f"{path}: cannot be opened: {one_line(error)}: save it again with this Blender")
+
+
+def one_line(error):
+    return " ".join(str(error).split())
 
 
 def find(scene, options):
@@ -184,34 +231,50 @@ def frame_numbers(scene, text):
     return frames
 
 
-def chosen_clips(scene, armature, options):
-    """Gives the clips in order, each a name and its frames' numbers: one a strip, or all as one."""
+def chosen_clips(scene, armature, meshes, options):
+    """Gives the clips in order: one a strip, one an action, or all frames as one."""
     asked = frame_numbers(scene, options.frames)
+    if options.actions:
+        return of_actions(scene, armature, meshes, options.frames and asked)
     strips, why = ([], "") if options.clips == "one" else shown_strips(armature)
+    unplayed(armature, strips)
     if not strips:
         if options.clips == "strips":
             raise Problem(f"the NLA of {armature.name} {why or 'plays no strip'}")
         if why:
             note(f"the NLA of {armature.name} {why}: all frames are one clip")
         action = armature.animation_data and armature.animation_data.action
-        return [(action.name if action else scene.name, asked)]
+        return [Clip(action.name if action else scene.name, asked, lambda: None)]
     covered, clips = set(), []
-    for strip, after in zip(strips, strips[1:] + [None]):
-        last = strip.frame_end + FRACTION
-        if after is not None:
-            # The frame in which two strips meet is the later one's.
-            last = min(last, after.frame_start - FRACTION)
+    for strip in strips:
+        # The frame in which two strips meet is the later one's.
+        meets = any(abs(other.frame_start - strip.frame_end) <= FRACTION for other in strips)
+        last = strip.frame_end + (-FRACTION if meets else FRACTION)
         own = range(math.ceil(strip.frame_start - FRACTION), math.floor(last) + 1)
         covered.update(own)
         own = [f for f in asked if f in own] if options.frames else list(own[::scene.frame_step])
         if own:
-            clips.append((strip.name, own))
+            clips.append(Clip(strip.name, own, partial(play_strip, strip, strips)))
     if not clips:
         raise Problem(f"--frames {options.frames}: no strip of {armature.name} is there ({ONE})")
+    alone = [strip.name for strip in strips if any(overlap(strip, other) for other in strips)]
+    if alone:
+        note(f"strips that overlap play one at a time: {', '.join(alone)} ({ONE}, as they blend)")
     left = sum(frame not in covered for frame in asked)
     if left:
         note(f"frames of no strip are left out: {left} ({ONE})")
     return clips
+
+
+def overlap(strip, other):
+    shared = min(strip.frame_end, other.frame_end) - max(strip.frame_start, other.frame_start)
+    return strip != other and shared > FRACTION
+
+
+def play_strip(strip, strips):
+    """Mutes the strips that overlap a strip."""
+    for other in strips:
+        other.mute = overlap(strip, other)
 
 
 def shown_strips(armature):
@@ -225,18 +288,293 @@ def shown_strips(armature):
     strips.sort(key=lambda strip: strip.frame_start)
     if strips and data.action and data.action_blend_type == "REPLACE" and data.action_influence > 0:
         return [], f"is covered by the action {data.action.name}"
-    for strip, after in zip(strips, strips[1:]):
-        if after.frame_start < strip.frame_end - FRACTION:
-            return [], f"has strips that overlap, {strip.name} and {after.name}"
     return strips, ""
+
+
+def unplayed(armature, strips):
+    """Names the strips and actions that no clip plays."""
+    data = armature.animation_data
+    tracks = data.nla_tracks if data else []
+    # Strips that an action covers are reported with the action.
+    silent = [s.name for t in tracks for s in t.strips if t.mute or s.mute or not data.use_nla]
+    if silent:
+        note(f"muted strips of the NLA are left out: {', '.join(silent)}")
+    known = {data.action} if data else set()
+    known |= {action for track in tracks for action in actions_of(track.strips)}
+    other = [action.name for action in moving_actions(armature) if action not in known]
+    if other:
+        note(f"actions that nothing plays are left out: {', '.join(other)} (--actions takes all)")
+
+
+def actions_of(strips):
+    """Gives the actions of strips, and of those inside meta strips."""
+    return {strip.action for strip in strips}.union(
+        *(actions_of(getattr(strip, "strips", [])) for strip in strips)) - {None}
+
+
+def moving_actions(armature):
+    """Lists the actions that have keys of the armature's bones."""
+    bones = tuple(f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"]'
+                  for bone in armature.pose.bones)
+    return [action for action in bpy.data.actions
+            if any(curve.data_path.startswith(bones) for curve in curves_of(action))]
+
+
+def of_actions(scene, armature, meshes, asked):
+    """Makes a clip of each action that moves the armature."""
+    actions = moving_actions(armature)
+    if not actions:
+        raise Problem(f"no action has keys of the bones of {armature.name}: give --clips one")
+    owners = owners_of(armature, meshes)
+    # These play on the meshes, in every clip.
+    own = {owner.animation_data.action for owner in owners if owner.animation_data}
+    left = [action.name for action in bpy.data.actions if action not in {*actions, *own}]
+    if left:
+        note(f"actions that move no bone of {armature.name} are left out: {', '.join(left)}")
+    paths = sorted({(curve.data_path, curve.array_index)
+                    for action in actions for curve in curves_of(action)})
+    clips = []
+    for action in actions:
+        first, last = action.frame_range
+        own = range(math.ceil(first - FRACTION), math.floor(last + FRACTION) + 1)
+        own = [f for f in asked if f in own] if asked else list(own[::scene.frame_step])
+        if own:
+            clips.append(Clip(action.name, own, partial(play_action, action, owners, paths)))
+    if not clips:
+        raise Problem(f"--frames: no action of {armature.name} has a key there")
+    return clips
+
+
+def play_action(action, owners, paths):
+    """Plays an action on the armature, and on the other owners for which it has a slot.
+
+    Whatever another action keys goes to its default.
+    """
+    for number, owner in enumerate(owners):
+        slots = [s for s in getattr(action, "slots", []) if s.target_id_type == owner.id_type]
+        if number > 0 and not slots:
+            continue
+        data = owner.animation_data or owner.animation_data_create()
+        data.use_nla = False
+        data.action = action
+        if slots and data.action_slot is None:
+            data.action_slot = slots[0]
+        for path, index in paths:
+            reset(owner, path, index)
+
+
+def owners_of(armature, meshes):
+    """Lists the data-blocks that actions may move, the armature first."""
+    found = [armature, armature.data]
+    for mesh in meshes:
+        found += [mesh, mesh.data.shape_keys]
+    return list(dict.fromkeys(owner for owner in found if owner is not None))
+
+
+def kept(scene, armature, meshes):
+    """Returns a function that restores the frame, actions and strips."""
+    frame, position = scene.frame_current, armature.data.pose_position
+    animated = [(owner, owner.animation_data) for owner in owners_of(armature, meshes)]
+    states = [(owner, data and (data.use_nla, data.action, getattr(data, "action_slot", None)))
+              for owner, data in animated]
+    strips = [(strip, strip.mute) for _, data in animated if data
+              for track in data.nla_tracks for strip in track.strips]
+
+    def restore():
+        armature.data.pose_position = position
+        for owner, state in states:
+            data = owner.animation_data
+            if state is None and data is not None:
+                owner.animation_data_clear()
+            elif state is not None:
+                data.use_nla, data.action, slot = state
+                if data.action and slot:
+                    data.action_slot = slot
+        for strip, mute in strips:
+            strip.mute = mute
+        scene.frame_set(frame)
+
+    return restore
+
+
+def controls(scene, meshes, armature, which):
+    """Lists the numbers that may become curves: custom properties and shape keys."""
+    found, odd = [], []
+    for holder in dict.fromkeys([armature, *meshes]) if which != "none" else []:
+        add_properties(found, odd, holder, holder, "", which)
+        if holder == armature:
+            for bone in armature.pose.bones:
+                path = f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"]'
+                add_properties(found, odd, armature, bone, path, which)
+        keys = getattr(holder.data, "shape_keys", None)
+        if keys is not None and keys.use_relative:
+            add_shapes(found, holder, keys, which)
+    if odd:
+        note(f"keyed custom properties that are no single number are left out: {', '.join(odd)}")
+    driven = [control.name for control in found if control.driven]
+    if driven and which == "keyed":
+        names = ", ".join(dict.fromkeys(driven))
+        note(f"driven, and so no curves: {names} (--curves all takes them)")
+    return [control for control in found if which == "all" or not control.driven]
+
+
+def add_properties(found, odd, owner, holder, path, which):
+    """Adds the custom properties of an object or of a bone."""
+    moved, driven = {path for path, _ in keyed(owner)}, drivers(owner)
+    for name in holder.keys():
+        own = f'{path}["{bpy.utils.escape_identifier(name)}"]'
+        if own not in moved | driven and which != "all":
+            continue
+        if not isinstance(holder[name], (bool, int, float)):
+            odd += [f"{holder.name} {name}"] if own in moved else []
+            continue
+        read = partial(property_of, owner, path, name)
+        # A key on a driven property has no effect.
+        found.append(Control(name, holder.name, read, own in driven))
+
+
+def property_of(owner, path, name):
+    there = owner.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return float((there.path_resolve(path) if path else there)[name])
+
+
+def add_shapes(found, mesh, keys, which):
+    """Adds the shape keys of a mesh that are not muted."""
+    moved, driven = {path for path, _ in keyed(keys)}, drivers(keys)
+    for key in keys.key_blocks:
+        own = f'key_blocks["{bpy.utils.escape_identifier(key.name)}"].value'
+        if key == keys.reference_key or key.mute:
+            continue
+        if own in moved | driven or which == "all":
+            read = partial(shape_of, keys, key.name)
+            found.append(Control(key.name, mesh.name, read, own in driven))
+
+
+def shape_of(keys, name):
+    there = keys.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return float(there.key_blocks[name].value)
+
+
+def drivers(owner):
+    data = owner.animation_data
+    return {driver.data_path for driver in data.drivers} if data else set()
+
+
+def named_curves(found, values, which):
+    """Gives the curves and their names. Controls of one name are one curve if they always agree.
+
+    Of all controls, only those count that change.
+    """
+    by_name = {}
+    for place, control in enumerate(found):
+        by_name.setdefault(control.name, []).append(place)
+    names, places, renamed = [], [], []
+    for name, own in by_name.items():
+        alike = all(np.array_equal(values[:, place], values[:, own[0]]) for place in own)
+        own = own[:1] if alike else own
+        if which == "all":
+            own = [place for place in own if np.ptp(values[:, place]) > 0]
+        names += [name if alike else f"{found[place].holder}.{name}" for place in own]
+        places += own
+        renamed += [] if alike else [name]
+    if renamed:
+        note(f"curves of several things, named THING.NAME as they differ: {', '.join(renamed)}")
+    if not names:
+        return {}
+    return {"curves": values[:, places].astype(np.float32), "curve_names": np.array(names)}
+
+
+# First bytes of the images that a glTF file can hold.
+IMAGES = (b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"RIFF")
+
+
+def appearance(meshes, parts):
+    """Gives the materials as glTF states them, the material of each face, and the images."""
+    materials, found = [], {"quads_material": [], "tris_material": []}
+    for mesh, part in zip(meshes, parts):
+        own = [slot.material for slot in mesh.material_slots]
+        materials += [m for m in dict.fromkeys(own) if m is not None and m not in materials]
+        # The last number is for faces of a slot that does not exist.
+        numbers = np.array([-1 if m is None else materials.index(m) for m in own] + [-1], np.int32)
+        for name, faces in found.items():
+            faces.append(numbers[np.minimum(part[name], len(own))])
+    if not materials:
+        return {}
+    images, left = [], []
+    described = [described_material(material, images, left) for material in materials]
+    if left:
+        note(f"images without a file, or not PNG, JPEG or WebP, are left out: {', '.join(left)}")
+    members = {
+        "materials": described,
+        "textures": [{"source": number} for number in range(len(images))],
+        "images": [{"name": image.name} for image, _ in images],
+    }
+    files = {f"image_{n}": np.frombuffer(data, np.uint8) for n, (_, data) in enumerate(images)}
+    faces = {name: np.concatenate(own) for name, own in found.items()}
+    faces = {name: own for name, own in faces.items() if len(own)}
+    return {**faces, **files, "materials": np.array(json.dumps(members))}
+
+
+def described_material(material, images, left):
+    """Describes name, base colour with its image, metal and roughness of a material."""
+    nodes = material.node_tree.nodes if material.node_tree else []
+    shader = next((node for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
+    surface = {"metallicFactor": round(material.metallic, 6),
+               "roughnessFactor": round(material.roughness, 6)}
+    colour, image = list(material.diffuse_color[:3]), None
+    if shader:
+        for name, factor in (("Metallic", "metallicFactor"), ("Roughness", "roughnessFactor")):
+            surface[factor] = round(shader.inputs[name].default_value, 6)
+        colour = list(shader.inputs["Base Color"].default_value[:3])
+        image = image_before(shader.inputs["Base Color"])
+    known = [own for own, _ in images]
+    if image and image not in known:
+        data = image_file(image)
+        if data is None:
+            left += [] if image.name in left else [image.name]
+            image = None
+        else:
+            images.append((image, data))
+            known.append(image)
+    if image:
+        surface["baseColorTexture"] = {"index": known.index(image)}
+    else:
+        surface["baseColorFactor"] = [round(min(max(x, 0.0), 1.0), 6) for x in colour] + [1.0]
+    return {"name": material.name, "pbrMetallicRoughness": surface}
+
+
+def image_before(socket):
+    """Finds the first image texture in front of a socket."""
+    sockets, seen = [socket], set()
+    while sockets:
+        for link in sockets.pop(0).links:
+            node = link.from_node
+            if node.type == "TEX_IMAGE" and node.image:
+                return node.image
+            if node not in seen:
+                seen.add(node)
+                sockets += node.inputs
+    return None
+
+
+def image_file(image):
+    """Reads the file of an image, packed or not; none for other kinds of images."""
+    if image.packed_file:
+        data = bytes(image.packed_file.data)
+    else:
+        try:
+            data = Path(bpy.path.abspath(image.filepath, library=image.library)).read_bytes()
+        except OSError:
+            return None
+    return data if data.startswith(IMAGES) else None
 
 
 def told(scene, clips, frames):
     """What is told of the frames and of the space they are in."""
     units = scene.unit_settings
-    lengths = [len(own) for _, own in clips]
+    lengths = [len(clip.frames) for clip in clips]
     return {
-        "clip_names": np.array([name for name, _ in clips]),
+        "clip_names": np.array([clip.name for clip in clips]),
         "clip_starts": np.array(starts(lengths), np.int32),
         "frame_numbers": np.array(frames, np.int32),
         "fps": np.array(scene.render.fps / scene.render.fps_base),
@@ -268,7 +606,7 @@ def at_rest(scene, frame, meshes, armature, bones, importance):
         parts, shapes = [], []
         for mesh in meshes:
             with Evaluated(mesh) as (shape, world):
-                part = faces(shape, np.linalg.det(world[:3, :3]) < 0)
+                part = faces(shape, world)
                 part["rest"] = positions(shape, world)
                 groups = {group.name: group.index for group in mesh.vertex_groups}
                 own = [groups.get(bone.name) for bone in bones]
@@ -316,16 +654,10 @@ def keyed(owner):
     data = owner.animation_data
     if data is None:
         return set()
-    actions = {data.action}
     tracks = [t for t in data.nla_tracks if not t.mute] if data.use_nla else []
-    strips = [strip for track in tracks for strip in track.strips]
-    while strips:
-        strip = strips.pop()
-        actions.add(strip.action)
-        # Strips of a meta strip.
-        strips += getattr(strip, "strips", [])
+    actions = {data.action}.union(*(actions_of(track.strips) for track in tracks)) - {None}
     return {(curve.data_path, curve.array_index)
-            for action in actions - {None} for curve in curves_of(action)}
+            for action in actions for curve in curves_of(action)}
 
 
 def curves_of(action):
@@ -381,21 +713,27 @@ def shapes_that_are_on(mesh):
             if key != keys.reference_key]
 
 
-def faces(shape, mirrored):
-    """Gives the faces by vertices and by texture coordinates, turned over where mirrored."""
-    quads = [list(p.loop_indices) for p in shape.polygons if p.loop_total == 4]
+def faces(shape, world):
+    """Gives the faces by vertices, texture coordinates, normals and material, turned over if mirrored."""
+    quads = [p for p in shape.polygons if p.loop_total == 4]
     shape.calc_loop_triangles()
-    others = {p.index for p in shape.polygons if p.loop_total != 4}
-    tris = [list(t.loops) for t in shape.loop_triangles if t.polygon_index in others]
+    others = {p.index: p.material_index for p in shape.polygons if p.loop_total != 4}
+    tris = [t for t in shape.loop_triangles if t.polygon_index in others]
     uv, uv_of = coordinates(shape)
+    normals, normal_of = corner_normals(shape, world)
     vertices, totals = corners(shape)
-    part = {"uv": uv, "corners": (vertices, totals)}
-    for name, corner, count in (("quads", quads, 4), ("tris", tris, 3)):
+    part = {"uv": uv, "normals": normals, "corners": (vertices, totals)}
+    for name, corner, count, material in (
+        ("quads", [list(p.loop_indices) for p in quads], 4, [p.material_index for p in quads]),
+        ("tris", [list(t.loops) for t in tris], 3, [others[t.polygon_index] for t in tris]),
+    ):
         corner = np.array(corner, np.int32).reshape(-1, count)
-        if mirrored:
+        if np.linalg.det(world[:3, :3]) < 0:
             corner[:, 1:] = corner[:, :0:-1]
         part[name] = vertices[corner]
         part[f"{name}_uv"] = uv_of[corner] if len(uv) else np.zeros_like(corner)
+        part[f"{name}_normals"] = normal_of[corner]
+        part[f"{name}_material"] = np.array(material, np.int32)
     return part
 
 
@@ -418,6 +756,22 @@ def coordinates(shape):
     return uv, uv_of.reshape(-1).astype(np.int32)
 
 
+def corner_normals(shape, world):
+    """Normals in world space, with hard edges and custom normals, and which of them each corner has."""
+    flat = np.empty(3 * len(shape.loops), np.float32)
+    if hasattr(shape, "corner_normals"):
+        shape.corner_normals.foreach_get("vector", flat)
+    else:
+        # Before Blender 4.1.
+        shape.calc_normals_split()
+        shape.loops.foreach_get("normal", flat)
+    turned = flat.reshape(-1, 3) @ np.linalg.pinv(world[:3, :3])
+    length = np.linalg.norm(turned, axis=1, keepdims=True)
+    turned = (turned / np.where(length > 0, length, 1)).astype(np.float32)
+    normals, normal_of = np.unique(turned, axis=0, return_inverse=True)
+    return normals, normal_of.reshape(-1).astype(np.int32)
+
+
 def weights(shape, groups):
     """How much each vertex weighs in some groups, by their numbers; nothing where there is none."""
     places = {group: place for place, group in enumerate(groups) if group is not None}
@@ -438,6 +792,7 @@ def joined(meshes, parts):
             # As little as a texture can say.
             part["uv"] = np.zeros((1, 2), np.float32)
     first_uvs = starts([len(part["uv"]) for part in parts])
+    first_normals = starts([len(part["normals"]) for part in parts])
 
     def behind(name, firsts):
         return np.concatenate([part[name] + first for part, first in zip(parts, firsts)])
@@ -445,10 +800,12 @@ def joined(meshes, parts):
     found = {"rest": np.concatenate([part["rest"] for part in parts])}
     for name in ("quads", "tris"):
         found[name] = behind(name, firsts)
+        found[f"{name}_normals"] = behind(f"{name}_normals", first_normals)
         if textured:
             found[f"{name}_uv"] = behind(f"{name}_uv", first_uvs)
     if textured:
         found["uv"] = np.concatenate([part["uv"] for part in parts])
+    found["normals"] = np.concatenate([part["normals"] for part in parts])
     for name in ("joint_weights", "importance"):
         if name in parts[0]:
             found[name] = np.concatenate([part[name] for part in parts])
@@ -479,12 +836,20 @@ def rest_frames(armature, bones):
     return np.array([world @ np.array(bone.matrix_local) for bone in bones])
 
 
-def poses(scene, meshes, parts, armature, rest, bones, frames):
+def poses(scene, meshes, parts, armature, rest, bones, clips, found):
+    """Evaluates meshes and bones frame by frame, and the values of the controls."""
     rest = np.linalg.inv(rest)
+    frames = [(clip, frame) for clip in clips for frame in clip.frames]
     vertices = np.empty((len(frames), sum(len(part["rest"]) for part in parts), 3), np.float32)
     maps = np.empty((len(frames), len(bones), 4, 4))
-    for number, frame in enumerate(frames):
+    values = np.empty((len(frames), len(found)))
+    playing = None
+    for number, (clip, frame) in enumerate(frames):
+        if clip is not playing:
+            clip.play()
+            playing = clip
         scene.frame_set(frame)
+        values[number] = [control.read() for control in found]
         first = 0
         for mesh, part in zip(meshes, parts):
             with Evaluated(mesh) as (shape, world):
@@ -495,7 +860,7 @@ def poses(scene, meshes, parts, armature, rest, bones, frames):
         world = np.array(posed.matrix_world)
         for joint, bone in enumerate(bones):
             maps[number, joint] = world @ np.array(posed.pose.bones[bone.name].matrix) @ rest[joint]
-    return {"vertices": vertices, "bone_transforms": maps}
+    return {"vertices": vertices, "bone_transforms": maps}, values
 
 
 def check_same(frame, mesh, shape, part):
@@ -556,7 +921,7 @@ class RangeOfMotion:
         if count < 6:
             raise Problem(f"--frames {options.frames}: with --range-of-motion, expected a number of poses from 6")
         self.frames = list(range(1, count + 1))
-        self.armature, self.back, self.movers, self.columns = armature, [], {}, {}
+        self.armature, self.back, self.movers = armature, [], {}
         keys = keyed_ranges(scene)
         turned = {bone_of(c[0], c[1], armature) for c in keys if is_bone(c[1])} - {None}
         if options.degrees:
@@ -612,26 +977,14 @@ class RangeOfMotion:
                 get, put, default = accessors(owner, path, index)
                 self.back.append(partial(put, get()))
                 element = index if hasattr(owner.path_resolve(path), "__len__") else -1
-                values = []
                 for frame, places in zip(self.frames, self.plan):
                     place = places.get(name)
                     put(default if place is None else least + (most - least) * place[number])
-                    values.append(get())
                     owner.keyframe_insert(path, index=element, frame=frame)
-                if not isinstance(name, str):
-                    curve = curve_name(owner, path) + (f"[{index}]" if len(channels) > 1 else "")
-                    self.columns[f"{owner.name} {curve}" if curve in self.columns else curve] = values
 
     def restore(self):
         for back in reversed(self.back):
             back()
-
-    def curves(self):
-        """Gives the values of the properties in every pose."""
-        if not self.columns:
-            return {}
-        names, values = list(self.columns), np.array(list(self.columns.values()), float).T
-        return {"curves": values, "curve_names": np.array(names)}
 
 
 def put_action(owner, action, slot, use_nla):
@@ -796,12 +1149,6 @@ def sliders(meshes):
     return list(found.values())
 
 
-def curve_name(owner, path):
-    if path.startswith("key_blocks["):
-        return owner.path_resolve(path.rpartition(".")[0]).name
-    return bpy.utils.unescape_identifier(path[:-2].rpartition('["')[2])
-
-
 def plan(movers, parents, count):
     """Plans poses: at most a third for movers alone, at most a third for pairs, and the rest for all.
 
@@ -874,3 +1221,6 @@ if __name__ == "__main__":
         main(given)
     except Problem as problem:
         sys.exit(f"blender_export.py: {problem}")
+    except Exception as error:
+        sys.exit(f"blender_export.py: the scene has something that this script does not expect "
+                 f"({type(error).__name__}: {one_line(error)}): leave meshes out with --mesh, and report it")

@@ -5,7 +5,7 @@ use super::output::Bars;
 use super::{OfFile, Output};
 use crate::Error;
 use crate::examples::{
-    self, Examples, Loaded, RATES, Source, Split, Warning, check_share, hash_file, load,
+    self, Curves, Examples, Loaded, RATES, Source, Split, Warning, check_share, hash_file, load,
     load_importance,
 };
 use anyhow::{Context, bail};
@@ -38,12 +38,20 @@ pub(super) struct ExampleArguments {
     /// Clip to read, of a scene or of a .npz that names its clips; repeatable [default: all]
     #[arg(long, value_name = "NAME")]
     pub(super) clip: Vec<String>,
-    /// Curve that may move the skin beside the joints; repeatable [default: all of a .npz, none of a scene]
+    /// Curve that may move the skin beside the joints; repeatable [default: see --curves]
     #[arg(long, value_name = "NAME", conflicts_with = "curves")]
     pub(super) curve: Vec<String>,
-    /// Curves that may move the skin beside the joints [default: all of a .npz, none of a scene]
+    /// Curves that may move the skin beside the joints [default: all of a .npz or of --curves-from, none of a scene]
+    ///
+    /// Curves of a scene are the weights of its named morph targets (glTF) or blendshapes (FBX).
     #[arg(long, value_name = "CURVES")]
     pub(super) curves: Option<CurveChoice>,
+    /// Curves of a scene: a .csv with a line of names and a row for each frame, as Live Link Face writes it
+    ///
+    /// With a column `time`, in seconds, the rows are interpolated at the frames. For several scenes, once for each in
+    /// order.
+    #[arg(long, value_name = "FILE")]
+    pub(super) curves_from: Vec<PathBuf>,
     /// Weight of each vertex in fits and errors: one number a vertex (.npy, .txt, .csv) [default: from a .npz, else
     /// equal]
     ///
@@ -60,10 +68,10 @@ pub(super) struct ExampleArguments {
     pub(super) hold_out_clip: Vec<String>,
 }
 
-/// Choice of the curves that a fit reads.
+/// Choice of all curves or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum CurveChoice {
-    /// Every curve of the file.
+    /// Every curve.
     All,
     /// No curve: joints alone.
     None,
@@ -87,9 +95,6 @@ impl ExampleArguments {
             let loaded = read(*source, output, load);
             // Warnings about earlier files may explain why a file is refused.
             let mut input = loaded.inspect_err(|_| print_all(&found, is_printed, output))?;
-            if let Some(names) = self.chosen_curves() {
-                input.examples.keep_curves(names).of(source.file)?;
-            }
             join_warnings(&mut found, source.file, input.warnings);
             if let Some(file) = self.importance.get(if given > 1 { number } else { 0 }) {
                 input.examples.set_importance(load_importance(file)?).of(file)?;
@@ -108,11 +113,13 @@ impl ExampleArguments {
         Ok(Loaded { examples, clips, warnings })
     }
 
-    /// Returns the names of the curves to keep; `None` for all.
-    fn chosen_curves(&self) -> Option<&[String]> {
+    /// Returns the choice of curves.
+    fn chosen_curves(&self) -> Curves<'_> {
         match self.curves {
-            Some(CurveChoice::None) => Some(&[]),
-            _ => (!self.curve.is_empty()).then_some(&self.curve),
+            Some(CurveChoice::All) => Curves::All,
+            Some(CurveChoice::None) => Curves::None,
+            None if self.curve.is_empty() => Curves::Usual,
+            None => Curves::Named(&self.curve),
         }
     }
 
@@ -142,20 +149,27 @@ impl ExampleArguments {
         let is_scene = |file: &Path| file.extension().is_none_or(|ending| ending != "npz");
         let scenes = self.examples.iter().filter(|file| is_scene(file)).count();
         let several = self.examples.len() > 1;
-        if several && !self.targets.is_empty() && self.targets.len() != scenes {
-            let found = self.targets.len();
-            bail!("--targets: expected one for each scene in order: {scenes}, found {found}");
+        let given = [("--targets", &self.targets), ("--curves-from", &self.curves_from)];
+        for (option, files) in given {
+            let found = files.len();
+            if several && found > 0 && found != scenes {
+                bail!("{option}: expected one for each scene in order: {scenes}, found {found}");
+            }
+            if let ([_], [_, second, ..]) = (&self.examples[..], &files[..]) {
+                let second = second.display();
+                bail!("{option} {second}: there is one file of examples, which has its own");
+            }
         }
-        if let ([_], [_, second, ..]) = (&self.examples[..], &self.targets[..]) {
-            let second = second.display();
-            bail!("--targets {second}: there is one file of examples, which has its own");
-        }
-        let mut targets = self.targets.iter();
+        let [mut targets, mut tables] =
+            [&self.targets, &self.curves_from].map(|files| files.iter().peekable());
         let mut sources = Vec::new();
         for file in &self.examples {
-            let own = if several && !is_scene(file) { None } else { targets.next() };
-            let (targets, clips) = (own.map(PathBuf::as_path), &self.clip[..]);
-            sources.push(Source { targets, fps: self.fps, clips, ..Source::file(file) });
+            let has_own = !several || is_scene(file);
+            let [targets, curves_from] = [&mut targets, &mut tables]
+                .map(|files| files.next_if(|_| has_own).map(PathBuf::as_path));
+            let (fps, clips, curves) = (self.fps, &self.clip[..], self.chosen_curves());
+            let source = Source { targets, fps, clips, curves, curves_from, ..Source::file(file) };
+            sources.push(source);
         }
         Ok(sources)
     }

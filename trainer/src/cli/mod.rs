@@ -39,7 +39,7 @@ use std::process::ExitCode;
 
 commands! {
     #[command(flatten)]
-    Envelope(envelope::Command),
+    Envelope(Box<envelope::Command>),
     Inspect(inspect::Inspect),
     /// Turns scattered data into functions
     ///

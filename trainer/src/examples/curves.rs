@@ -3,28 +3,62 @@
 use super::Examples;
 use crate::Error;
 
+/// Choice of the curves that are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Curves<'a> {
+    /// All curves of an `.npz`, or of a table beside a scene; none of a scene itself.
+    #[default]
+    Usual,
+    /// All curves.
+    All,
+    /// No curve.
+    None,
+    /// The curves with these names, in this order.
+    Named(&'a [String]),
+}
+
 impl Examples {
+    /// Keeps the chosen curves of arrays.
+    ///
+    /// # Errors
+    /// As [`Examples::keep_curves`].
+    pub(super) fn choose_curves(&mut self, choice: Curves<'_>) -> Result<(), Error> {
+        match choice {
+            Curves::Usual | Curves::All => Ok(()),
+            Curves::None => self.keep_curves(&[]),
+            Curves::Named(names) => self.keep_curves(names),
+        }
+    }
+
     /// Keeps the named curves, in this order.
     ///
     /// # Errors
     /// A curve is missing; the message lists the curves of the examples.
     pub fn keep_curves(&mut self, names: &[String]) -> Result<(), Error> {
-        let place = |name: &String| {
-            self.curve_names.iter().position(|own| own == name).ok_or_else(|| {
-                let found = match &self.curve_names[..] {
-                    [] => "has none".to_owned(),
-                    names => format!("has {}", names.join(", ")),
-                };
-                Error::missing(format!("there is no curve {name}: it {found}"))
-            })
-        };
-        let places = names.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
+        let places = places(&self.curve_names, names)?;
         let frames = 0..self.frame_len();
         let of_frame = |frame| places.iter().map(|place| self.curves_of(frame)[*place]).collect();
         self.curves = frames.map(of_frame).collect::<Vec<Vec<f64>>>().concat();
         self.curve_names = names.to_vec();
         Ok(())
     }
+}
+
+/// Finds the places of named curves.
+///
+/// # Errors
+/// A curve is missing; the message lists the known curves.
+pub(super) fn places(known: &[String], names: &[String]) -> Result<Vec<usize>, Error> {
+    let place = |name: &String| {
+        known.iter().position(|own| own == name).ok_or_else(|| {
+            let found = match known {
+                [] => "has none".to_owned(),
+                names => format!("has {}", names.join(", ")),
+            };
+            Error::missing(format!("there is no curve {name}: it {found}"))
+        })
+    };
+    names.iter().map(place).collect()
 }
 
 #[cfg(test)]

@@ -17,14 +17,15 @@ impl Examples {
         of_frames.into_iter().chain(self.unscale_idle_joints())
     }
 
-    /// Divides each frame by the uniform scale of its first joint, as a runtime does with the scale of an actor. Returns
-    /// a warning with the number of scaled frames and the largest scale.
+    /// Divides each frame by the uniform scale of the root, as a runtime does with the scale of an actor. Returns a
+    /// warning with the number of scaled frames and the largest scale.
     fn unscale_frames(&mut self) -> Option<Warning> {
         let (joint_len, vertex_len) = (self.joint_len(), self.vertex_len());
+        let root = self.skeleton.root();
         let (mut frames, mut most) = (0, 1.0);
         for frame in 0..self.transforms.len() / joint_len.max(1) {
             let pose = &mut self.transforms[frame * joint_len..][..joint_len];
-            let Some(scale) = pose.first().and_then(uniform_scale) else { continue };
+            let Some(scale) = pose.get(root).and_then(uniform_scale) else { continue };
             pose.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|x| *x /= scale);
             let posed = self.vertices.iter_mut().skip(frame * vertex_len).take(vertex_len);
             posed.for_each(|x| *x = x.map(|x| x / scale));
@@ -33,7 +34,7 @@ impl Examples {
                 most = scale;
             }
         }
-        let joint = self.skeleton.names.first()?.clone();
+        let joint = self.skeleton.names.get(root)?.clone();
         (frames > 0).then_some(Warning::FramesScaled { joint, frames, most })
     }
 

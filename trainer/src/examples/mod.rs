@@ -19,6 +19,7 @@ mod validate;
 mod warning;
 
 pub use crate::formats::scene::{Clip, JointNames, RATES};
+pub use curves::Curves;
 pub use data::{Examples, Matrix3x4, Skeleton, Split};
 pub(crate) use data::{diagonal, spread};
 pub use distortion::{Distortion, RIGID};
@@ -27,5 +28,6 @@ pub use frames::{FrameName, check_share, numbered};
 pub use import::{Loaded, Source, has_no_mesh, join, load, load_motion, load_poses, npz};
 pub(crate) use import::{best_order, is_shuffled};
 pub use importance::{Importance, load_importance};
-pub use poses::{PoseRequest, SampledPoses, sample_poses, save_poses};
+pub use poses::save::save_poses;
+pub use poses::{PoseRequest, SampledPoses, sample_poses};
 pub use warning::{Severity, Warning};

@@ -48,7 +48,7 @@ pub enum Warning {
     },
     /// Idle joints had a scale, which was removed.
     IdleScaled(Vec<String>),
-    /// The first joint scales the whole character in some frames; the scale was divided out.
+    /// The root scales the whole character in some frames; the scale was divided out.
     FramesScaled {
         /// Name of the joint.
         joint: String,

@@ -1,6 +1,7 @@
 //! Matches the columns of a take with the shapes of a face.
 
 use crate::Error;
+use crate::formats::csv::NO_VALUES;
 use std::fmt::Display;
 
 /// ARKit's rotation angles of head and eyes. Joints carry these rotations, so no shape has these names.
@@ -18,8 +19,6 @@ const ANGLES: [&str; 9] = [
 
 /// Column with the number of weights in a row.
 const COUNT: &str = "blendshapecount";
-/// Columns of a take that are not weights. A separator at the end of a line makes a column without a name.
-const OTHERS: [&str; 6] = ["timecode", COUNT, "frame", "time", "norm", ""];
 /// Characters between the name of a node or mesh and the name of a shape.
 const PREFIX_ENDS: [char; 4] = ['.', ':', '|', '/'];
 /// Characters that end a prefix or separate the words of a name.
@@ -135,7 +134,7 @@ impl Expression {
     }
 
     fn is_other(&self) -> bool {
-        OTHERS.contains(&self.stem.as_str())
+        NO_VALUES.contains(&self.stem.as_str())
     }
 
     fn is_arkit(&self) -> bool {

@@ -10,6 +10,12 @@ const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 /// Line 1 is a title if the next line has more than this many times its cells.
 const TITLE: usize = 2;
 
+/// Columns of a take that hold no value of a curve, in lower case and without punctuation. A separator at the end of a
+/// line makes a column without a name.
+pub(crate) const NO_VALUES: [&str; 6] = ["timecode", "blendshapecount", "frame", TIME, "norm", ""];
+/// Column of times, in seconds, in the same spelling.
+pub(crate) const TIME: &str = "time";
+
 /// A table of cells with named columns.
 pub(crate) struct Table {
     /// Names of the columns.

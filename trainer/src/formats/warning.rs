@@ -41,7 +41,7 @@ pub enum FormatWarning {
 
 impl FormatWarning {
     /// Makes a warning of repaired normals; `None` if none was repaired.
-    pub(super) fn repaired(count: usize) -> Option<Self> {
+    pub(crate) fn repaired(count: usize) -> Option<Self> {
         (count > 0).then_some(Self::NormalsRepaired(count))
     }
 

@@ -48,7 +48,7 @@ fn a_rig_without_ranges_needs_degrees() {
     let mut still = super::common::Set::demo();
     let (shape, numbers) = still.reals.get_mut("bone_transforms").unwrap();
     let (frames, joints) = (shape[0] as usize, shape[1] as usize);
-    let identity = |at: usize| f64::from(u8::from(at % 16 % 5 == 0));
+    let identity = |at: usize| f64::from(u8::from((at % 16).is_multiple_of(5)));
     *numbers = (0..16 * frames * joints).map(identity).collect();
     still.write(&folder.path("still.npz"));
     let line = folder.sinew("poses still.npz -q -o poses.npz").failed();

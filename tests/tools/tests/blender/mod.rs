@@ -1,5 +1,7 @@
 //! Runs the Blender script in the `bpy` package: the exported examples must match the scene.
 
+mod dressed;
+
 use sinew_runtime::format::{Axis, Space};
 use sinew_trainer::examples::{Clip, Examples, Loaded, Source, Warning, load, load_motion, npz};
 use std::path::{Path, PathBuf};
@@ -36,6 +38,17 @@ fn export(test: &str, scene: &str, more: &[&str]) -> Option<(Output, PathBuf)> {
     Some((of(&python, &folder.join(scene), &examples, more), examples))
 }
 
+/// Makes the scene of a script in a folder of the test, and returns the folder.
+fn made(python: &Path, script: &str, test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("blender-{test}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let script = format!("tests/blender/{script}.py");
+    let made = run(python, &script, &[folder.to_str().unwrap()]);
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    folder
+}
+
 /// Exports a scene.
 fn of(python: &Path, scene: &Path, examples: &Path, more: &[&str]) -> Output {
     let mut arguments = vec!["--blend", scene.to_str().unwrap(), examples.to_str().unwrap()];
@@ -61,7 +74,8 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     let Some((output, path)) = export("scene", "limb.blend", &[]) else { return };
     let [said, noted] = done(&output);
     let words = "limb.npz: 6 vertices, 2 joints, 3 frames at 24 a second\n  meshes: Limb\n  \
-                 clips: RigAction (1 to 3)\n  rest mesh: of frame 1, armature, keys and drivers at rest\n";
+                 clips: RigAction (1 to 3)\n  curves: Swell\n  rest mesh: of frame 1, armature, keys and drivers at \
+                 rest\n";
     assert!(said.ends_with(words) && noted.is_empty(), "{said}{noted}");
     let Loaded { examples, clips, warnings } = npz::load(&path).unwrap();
     assert_eq!(warnings, []);
@@ -85,12 +99,17 @@ fn a_scene_becomes_the_examples_that_it_shows() {
     near(&examples.frame(2)[5], &[0.3, -0.5, 1.3]);
     near(&examples.frame(2)[0], &[0.2, 0.0, 0.5]);
     near(&examples.frame(1)[0], &[0.15, 0.0, 0.5]);
+    // The keyed shape key is a curve.
+    assert_eq!(
+        (&examples.curve_names[..], &examples.curves[..]),
+        (&["Swell".to_owned()][..], &[0.0, 0.5, 1.0][..])
+    );
     // Vertices 2, 3 and 4 have two texture coordinates each.
     let surface = examples.surface();
     let uv = surface.uv().unwrap().iter().enumerate();
     let mut found: Vec<_> = uv.map(|(copy, uv)| (surface.copy_of(copy), *uv)).collect();
     found.sort_by(|a, b| a.partial_cmp(b).unwrap());
-    // Drops copies that differ only in their tangents.
+    // Drops copies that differ only in their tangents or normals: the faces are flat.
     found.dedup();
     let expected = [
         (0, [0.0, 0.0]),
@@ -138,14 +157,10 @@ fn the_same_scene_as_fbx_moves_the_same_joints() {
     }
 }
 
-/// Makes the scene of a driven face and exports it; returns the script's output and the path of the examples.
+/// Exports the scene of a driven face; returns the script's output and the path of the examples.
 fn driven(test: &str, more: &[&str]) -> Option<(Output, PathBuf)> {
     let python = python()?;
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("blender-{test}"));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    let made = run(&python, "tests/blender/driven.py", &[folder.to_str().unwrap()]);
-    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    let folder = made(&python, test, "driven");
     let path = folder.join("driven.npz");
     Some((of(&python, &folder.join("driven.blend"), &path, more), path))
 }
@@ -162,7 +177,11 @@ fn drivers_and_shapes_are_at_rest_in_the_rest_mesh() {
     );
     let on = "shape keys that are on at rest, as no key moves them: Face Puff (0.50), Face Style (0.50), Face Calm (0.25)";
     assert!(noted.contains(on), "{noted}");
+    let driven = "driven, and so no curves: Grin, Tilt, Puff, Calm (--curves all takes them)";
+    assert!(noted.contains(driven), "{noted}");
     let examples = npz::load(&path).unwrap().examples;
+    assert_eq!(examples.curve_names, ["puff", "smile", "Wink"]);
+    assert_eq!(examples.curves, [1.0, 1.0, 0.0, 0.0, 1.0, 1.0]);
     // Puff at its default, and the shape keys without animation.
     let rest = [[0.0, 0.0, 0.0], [1.05, 0.0, 0.0], [1.05, 0.025, 1.0], [0.0, 0.0, 1.0]];
     near(examples.rest.as_flattened(), rest.as_flattened());
@@ -315,22 +334,28 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
 }
 
 #[test]
-fn overlapping_strips_are_one_clip_and_growing_modifiers_are_named() {
+fn overlapping_strips_play_one_at_a_time_and_growing_modifiers_are_named() {
     let Some(python) = python() else { return };
     let arguments = ["--mesh", "Sleeve", "--mesh", "Limb"];
     let Some((output, path)) = export("muddled", "muddled.blend", &arguments) else { return };
     let [_, noted] = done(&output);
-    let overlap = "the NLA of Rig has strips that overlap, Bend and Twist";
-    assert!(noted.contains(&format!("{overlap}: all frames are one clip")), "{noted}");
+    assert!(
+        noted.contains("strips that overlap play one at a time: Bend, Twist (--clips"),
+        "{noted}"
+    );
     let Loaded { examples, clips, .. } = npz::load(&path).unwrap();
-    assert_eq!((clips.len(), clips[0].name.as_str(), examples.frame_len()), (1, "Scene", 10));
+    let fps = 24.0 / f64::from(1.001_f32);
+    let again = clip("Again", 6, fps, &[7, 8, 9]);
+    assert_eq!(clips, [clip("Bend", 0, fps, &[1, 2, 3]), clip("Twist", 3, fps, &[2, 3, 4]), again]);
     assert_eq!(examples.ranges[0].0, "Limb", "the scene's order");
+    // The last frame of each strip, as without an overlap.
+    near(&examples.frame(2)[5], &[0.3, -0.5, 1.3]);
+    near(&examples.frame(5)[5], &[-0.3, 0.3, 1.5]);
     let strips = path.with_file_name("strips.blend");
     let muddled = path.with_file_name("muddled.blend");
     let none = path.with_file_name("none.npz");
     for (scene, arguments, words) in [
-        (&muddled, &["--mesh", "Limb", "--clips", "strips"][..], overlap),
-        (&muddled, &[], "frame 2: mesh Hair has 3 vertices, at rest 2: turn off the modifier"),
+        (&muddled, &[][..], "frame 2: mesh Hair has 3 vertices, at rest 2: turn off the modifier"),
         (
             &muddled,
             &["--mesh", "Scales"],
@@ -421,10 +446,11 @@ fn missing_parts_of_a_scene_are_named_and_nothing_is_written() {
         ("mesh", ["--mesh", "Arm"], "there is no mesh Arm, only: Limb"),
         ("armature", ["--armature", "Limb"], "there is no armature Limb, only: Rig"),
         ("frames", ["--frames", "9:1"], "--frames 9:1: expected FIRST:LAST or FIRST:LAST:STEP"),
+        ("option", ["--curves", "some"], "argument --curves: invalid choice: 'some'"),
     ] {
         let Some((output, path)) = export(test, "limb.blend", &arguments) else { return };
         let error = String::from_utf8_lossy(&output.stderr);
         assert!(!output.status.success() && error.contains(words), "{error}");
-        assert!(!path.exists());
+        assert!(error.lines().count() == 1 && !path.exists(), "{error}");
     }
 }

@@ -9,7 +9,7 @@ use crate::cli::{
 use crate::envelope::levels::check_places;
 use crate::envelope::posed::rest;
 use crate::evaluate::Character;
-use crate::examples::{Clip, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
+use crate::examples::{Clip, Curves, JointNames, Loaded, RATES, Source, has_no_mesh, numbered};
 use crate::export::{Export, ExportInto, Grafted, Placement, Playback, check_clips};
 use crate::formats::appearance;
 use crate::space::SpaceRequest;
@@ -69,6 +69,9 @@ pub(in crate::cli) struct ExportArgs {
     /// Frames a second of the clip; a scene is sampled at this rate [default: from the file, else 30 with a warning]
     #[arg(long, value_name = "FPS", value_parser = number(RATES, " frames a second"), allow_negative_numbers = true)]
     fps: Option<f64>,
+    /// Curves of a scene: a .csv as for `sinew train` [default: the weights of the scene's shapes]
+    #[arg(long, value_name = "FILE")]
+    curves_from: Option<PathBuf>,
     /// Skin whose mesh is played [default: the model's first]
     #[arg(long, value_name = "NAME")]
     skin: Option<String>,
@@ -106,6 +109,7 @@ const USUAL_INFLUENCES: usize = 4;
 impl Run for ExportArgs {
     fn run(&self, output: Output) -> anyhow::Result<Report> {
         let mut inputs = Source::file(&self.clip).files();
+        inputs.extend(self.curves_from.clone());
         inputs.push(self.model.file.clone());
         inputs.extend_from_slice(&self.further.also);
         inputs.extend(self.into.iter().chain(&self.mesh).cloned());
@@ -125,7 +129,9 @@ impl Run for ExportArgs {
             ignore_case: self.ignore_case,
             known: &known,
         };
-        let mut input = self.poses(names, output)?;
+        let curves = (0..envelope.curve_len()).filter_map(|curve| envelope.curve_name(curve));
+        let curves: Vec<String> = curves.map(str::to_owned).collect();
+        let mut input = self.poses(names, &curves, output)?;
         begin_at_zero(&mut input.clips, &self.clip, output);
         self.space.set(&mut input.examples, self.clip.display())?;
         let conversion = input.examples.convert_to(&character.space);
@@ -205,9 +211,17 @@ impl Run for ExportArgs {
 }
 
 impl ExportArgs {
-    /// Loads the poses, at the given rate.
-    fn poses(&self, names: JointNames<'_>, output: Output) -> anyhow::Result<Loaded> {
-        let source = Source { fps: self.fps, names, ..Source::file(&self.clip) };
+    /// Loads the poses and the model's curves, at the given rate.
+    fn poses(
+        &self,
+        names: JointNames<'_>,
+        curves: &[String],
+        output: Output,
+    ) -> anyhow::Result<Loaded> {
+        let curves = if curves.is_empty() { Curves::None } else { Curves::Named(curves) };
+        let curves_from = self.curves_from.as_deref();
+        let file = Source::file(&self.clip);
+        let source = Source { fps: self.fps, names, curves, curves_from, ..file };
         let load = |mesh: Option<&Path>| input::load_motion(source, mesh, output);
         match (&self.mesh, &self.into) {
             (Some(mesh), _) => load(Some(mesh)),

@@ -34,6 +34,10 @@ use sinew_runtime::envelope::{Certificate, Predictor};
 /// the motion of the skin.
 const FEW_VALUES: usize = 4;
 
+/// A candidate, its forecasts on more frames of the training clips and on another clip, and the candidate that another
+/// clip refused.
+type Taken<'a> = (&'a Candidate, [Option<f64>; 2], Option<Refused>);
+
 /// A trained model.
 pub struct Trained {
     /// Bytes of the file.
@@ -273,7 +277,7 @@ impl PredictorSearch<'_> {
     /// Helpers whose forecast for another clip is worse than the forecast of plain LBS follow motion that the pose does
     /// not explain. LBS is taken in their place. How much of such motion another clip has is unknown, so the worst clip
     /// is the forecast.
-    fn chosen(&self) -> Option<(&Candidate, [Option<f64>; 2], Option<Refused>)> {
+    fn chosen(&self) -> Option<Taken<'_>> {
         let best = chosen(&self.candidates, &self.reports)?;
         let forecasts = self.forecasts(best);
         let refused = || {

@@ -2,6 +2,7 @@
 
 mod align;
 mod clips;
+mod curves;
 mod joined;
 mod matched;
 mod motion;

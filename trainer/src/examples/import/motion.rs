@@ -1,6 +1,7 @@
 //! Plays a skeleton's animation on a character from another file.
 
 use super::align;
+use super::curves::SampledCurves;
 use super::joined::Loaded;
 use super::scene::{rest_frame, rows, unscale};
 use crate::Error;
@@ -34,20 +35,18 @@ const SAMPLE: usize = 8;
 /// Axes and origin of a joint.
 type Frame = (Matrix3<f64>, Vector3<f64>);
 
-/// Plays the animations of a file on a character. Joints are matched by name, and the rest mesh replaces every posed
+/// Plays animations on a character. Joints are matched by name, and the rest mesh replaces every posed
 /// mesh. A joint that the file lacks follows its parent. If the file has another rest pose or none, the character's
 /// rest pose is used.
 ///
 /// # Errors
-/// The scene cannot be read, no name matches, the root is missing, or the rest poses differ.
+/// The root is missing, or the rest poses differ.
 pub(super) fn play(
-    file: &Path,
+    motion: Motion,
     mut character: Examples,
-    joint_names: &JointNames<'_>,
-    sampling: &Sampling<'_>,
+    curves: SampledCurves,
 ) -> Result<Loaded, Error> {
     let Skeleton { names, parents, .. } = &character.skeleton;
-    let motion = read(file, names, joint_names, sampling)?;
     let mut places: Vec<Option<usize>> = vec![None; names.len()];
     motion.joints.of.iter().enumerate().for_each(|(own, &joint)| places[joint] = Some(own));
     let mismatch = &motion.joints.mismatch;
@@ -84,6 +83,7 @@ pub(super) fn play(
     let frame_len = character.transforms.len() / character.joint_len().max(1);
     character.vertices = character.rest.repeat(frame_len);
     character.split = vec![Split::Train; frame_len];
+    curves.put(&mut character);
     warnings.extend(character.unscale());
     Loaded { examples: character, clips: motion.clips, warnings }.checked(&Origin::SCENE)
 }
@@ -142,7 +142,8 @@ fn from_rest(
     let mut maps: Vec<_> = posed.map(|(frame, back)| frame * back).collect();
     let idle = idle(character.joint_weights.as_deref(), &character.skeleton.parents);
     let idle: Vec<bool> = motion.joints.of.iter().map(|&joint| idle[joint]).collect();
-    let scale = unscale(&mut maps, &idle);
+    let at_rest: Vec<_> = motion.rest.iter().zip(&back).map(|(own, back)| own * back).collect();
+    let scale = unscale(&mut maps, &at_rest, &idle);
     let mut rest: Vec<Matrix3x4> =
         rest.iter().map(|frame| rows(&rest_frame(frame, scale))).collect();
     let mut transforms: Vec<Matrix3x4> = maps.iter().map(rows).collect();

@@ -2,10 +2,12 @@
 
 use super::align::{self, is_shuffled};
 use super::clips::{best_order, check_even, frame_len, selected, selected_rows};
+use super::curves::SampledCurves;
 use super::joined::Loaded;
 use super::matched::{arranged, matched};
 use super::targets::TargetMeshes;
 use crate::Error;
+use crate::examples::distortion::REPAIRABLE;
 use crate::examples::joints::{idle, join_roots};
 use crate::examples::validate::{Origin, numbers, vertex};
 use crate::examples::{Clip, Examples, Matrix3x4, RIGID, Skeleton, Split, Warning};
@@ -28,11 +30,13 @@ use std::mem::take;
 ///   have another order, or the meshes are not near the joints.
 pub(super) fn join(
     mut scene: SampledScene,
+    curves: SampledCurves,
     targets: Option<TargetMeshes>,
     sampling: &Sampling<'_>,
 ) -> Result<Loaded, Error> {
     let (shapes, morphs) = (scene.shapes.take(), scene.morphs);
     let mut loaded = poses(scene)?;
+    curves.put(&mut loaded.examples);
     let Some(targets) = targets else {
         if !morphs {
             loaded.warnings.push(Warning::PlainSkin);
@@ -120,8 +124,9 @@ fn cut(Loaded { mut examples, clips, mut warnings }: Loaded, sampling: &Sampling
         let names = clips.iter().map(|clip| clip.name.clone()).collect();
         warnings.push(Warning::TargetsCut { clips: names, frames: frames.len(), held });
         take_meshes(&mut examples, &frames);
-        let joint_len = examples.joint_len();
+        let (joint_len, curve_len) = (examples.joint_len(), examples.curve_names.len());
         examples.transforms = selected_rows(examples.transforms, joint_len, Some(&frames));
+        examples.curves = selected_rows(examples.curves, curve_len, Some(&frames));
     }
     Loaded { examples, clips, warnings }
 }
@@ -151,7 +156,8 @@ pub(super) fn still(scene: SampledScene) -> Result<Loaded, Error> {
 /// # Errors
 /// A bind matrix has no inverse, a number is not finite, or a number of the rest mesh is too large.
 fn poses(scene: SampledScene) -> Result<Loaded, Error> {
-    let SampledScene { mut rest, names, parents, binds, frames, clips, joint_weights, .. } = scene;
+    let SampledScene { mut rest, names, parents, binds, at_rest, frames, clips, .. } = scene;
+    let joint_weights = scene.joint_weights;
     numbers(Origin::SCENE.rest, &rest, None, vertex)?;
     let joint = |number: usize| format!("joint {}", names[number]);
     let all = frames.iter().map(Matrix4::as_slice);
@@ -163,7 +169,8 @@ fn poses(scene: SampledScene) -> Result<Loaded, Error> {
     let maps = frames.iter().zip(inverses.iter().cycle());
     let mut maps: Vec<_> = maps.map(|(frame, inverse)| frame * inverse).collect();
     let idle = idle(joint_weights.as_deref(), &parents);
-    let scale = unscale(&mut maps, &idle);
+    let at_rest: Vec<_> = at_rest.iter().zip(&inverses).map(|(own, back)| own * back).collect();
+    let scale = unscale(&mut maps, &at_rest, &idle);
     rest.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);
     let mut warnings = scene.warnings.into_iter().map(Warning::from).collect();
     let (parents, roots) = join_roots(&names, parents, &mut warnings);
@@ -231,22 +238,37 @@ fn check_frames(clips: &[Clip], meshes: &PosedMeshes, missing: Vec<String>) -> R
     )))
 }
 
-/// Divides maps by their common scale and returns the scale. Returns 1 if the maps are rigid or have no common scale,
-/// which the checks of examples then report. Idle joints are ignored.
+/// Divides maps by the scale from the mesh's unit to the joints' unit, and returns the scale. Idle joints are ignored.
+///
+/// The scale is the one that all maps have, up to rounding. If joints stretch, or the character is scaled in some frames,
+/// the scale is the median over the joints without animation. A median near 1 is noise, and the scale is then 1.
 ///
 /// - `maps`: of all joints, frame-major.
-/// - `idle`: whether each joint is idle.
-pub(super) fn unscale(maps: &mut [Matrix4<f64>], idle: &[bool]) -> f64 {
-    let scale = |map: &Matrix4<f64>| map.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt();
-    let mut scales =
-        maps.iter().zip(idle.iter().cycle()).filter(|(_, idle)| !**idle).map(|(map, _)| scale(map));
-    let Some(first) = scales.next() else { return 1.0 };
-    let shared = scales.all(|scale| (scale / first - 1.0).abs() < RIGID);
-    if !shared || (first - 1.0).abs() <= RIGID || !first.is_normal() {
+/// - `at_rest`: without animation, J.
+/// - `idle`: whether each joint is idle, J.
+pub(super) fn unscale(maps: &mut [Matrix4<f64>], at_rest: &[Matrix4<f64>], idle: &[bool]) -> f64 {
+    let scales = |maps: &[Matrix4<f64>]| -> Vec<f64> {
+        let moving = maps.iter().zip(idle.iter().cycle()).filter(|(_, idle)| !**idle);
+        moving.map(|(map, _)| map.fixed_view::<3, 3>(0, 0).determinant().abs().cbrt()).collect()
+    };
+    let all = scales(maps);
+    let Some(&first) = all.first() else { return 1.0 };
+    let is_shared = all.iter().all(|scale| (scale / first - 1.0).abs() < RIGID);
+    let (scale, noise) = match is_shared {
+        true => (first, RIGID),
+        false => (median(scales(at_rest)), REPAIRABLE),
+    };
+    if (scale - 1.0).abs() <= noise || !scale.is_normal() {
         return 1.0;
     }
-    maps.iter_mut().for_each(|map| map.fixed_view_mut::<3, 3>(0, 0).unscale_mut(first));
-    first
+    maps.iter_mut().for_each(|map| map.fixed_view_mut::<3, 3>(0, 0).unscale_mut(scale));
+    scale
+}
+
+/// Returns the middle of some numbers, or the upper one of two; 1 without numbers.
+fn median(mut all: Vec<f64>) -> f64 {
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Returns the rigid part of a joint's bind matrix, in the unit of the scaled rest mesh.

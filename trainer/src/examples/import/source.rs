@@ -1,13 +1,14 @@
 //! Loads examples from every supported format.
 
 use super::clips::frame_len;
+use super::curves::{self, SampledCurves};
 use super::joined::Loaded;
 use super::targets::TargetMeshes;
 use super::{motion, npz, scene, targets};
-use crate::examples::Examples;
 use crate::examples::validate::Origin;
+use crate::examples::{Clip, Curves, Examples};
 use crate::formats::extension::{check_content, extension, unknown_format};
-use crate::formats::scene::{JointNames, SampledScene, Sampling};
+use crate::formats::scene::{CurveTrack, JointNames, SampledScene, Sampling};
 use crate::formats::{fbx, gltf};
 use crate::{Error, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -28,13 +29,25 @@ pub struct Source<'a> {
     pub still: bool,
     /// Renaming of joints to a model's names, when poses are played.
     pub names: JointNames<'a>,
+    /// Choice of the curves.
+    pub curves: Curves<'a>,
+    /// Table of a scene's curves (`.csv`), in place of the weights of its shapes.
+    pub curves_from: Option<&'a Path>,
 }
 
 impl<'a> Source<'a> {
     /// Creates a source from a single file.
     pub fn file(file: &'a Path) -> Self {
-        let names = JointNames::default();
-        Self { file, targets: None, fps: None, clips: &[], still: false, names }
+        Self {
+            file,
+            targets: None,
+            fps: None,
+            clips: &[],
+            still: false,
+            names: JointNames::default(),
+            curves: Curves::Usual,
+            curves_from: None,
+        }
     }
 
     /// Lists the files that loading reads, if they exist.
@@ -44,6 +57,7 @@ impl<'a> Source<'a> {
             files.push(self.file.with_extension("json"));
         }
         files.extend(self.targets.into_iter().flat_map(targets::files));
+        files.extend(self.curves_from.map(Path::to_owned));
         files
     }
 
@@ -60,10 +74,14 @@ impl<'a> Source<'a> {
 
     /// Checks that no option for scenes is given.
     fn check_whole(&self) -> Result<(), Error> {
-        let given = [("--targets", self.targets.is_some()), ("--fps", self.fps.is_some())];
+        let given = [
+            ("--targets", self.targets.is_some()),
+            ("--fps", self.fps.is_some()),
+            ("--curves-from", self.curves_from.is_some()),
+        ];
         match given.into_iter().find(|(_, given)| *given) {
             Some((option, _)) => Err(Error::unsupported(format!(
-                "{option} goes with a scene (.glb, .gltf, .fbx); an .npz holds its own poses and meshes"
+                "{option} goes with a scene (.glb, .gltf, .fbx); an .npz holds its own poses, meshes and curves"
             ))),
             None => Ok(()),
         }
@@ -71,7 +89,7 @@ impl<'a> Source<'a> {
 
     /// Checks that the content of each file matches its extension.
     fn check_content(&self) -> Result<(), Error> {
-        for file in [Some(self.file), self.targets].into_iter().flatten() {
+        for file in [Some(self.file), self.targets, self.curves_from].into_iter().flatten() {
             check_content(file).map_err(|error| error.in_file(file))?;
         }
         Ok(())
@@ -88,7 +106,18 @@ impl<'a> Source<'a> {
     }
 
     fn sampling(&self, shapes: bool) -> Sampling<'a> {
-        Sampling { fps: self.fps, clips: self.clips, shapes, still: self.still, played: false }
+        let of_shapes = matches!(self.curves, Curves::All | Curves::Named(_));
+        let curves = of_shapes && self.curves_from.is_none();
+        let Self { fps, clips, still, .. } = *self;
+        Sampling { fps, clips, shapes, still, played: false, curves }
+    }
+
+    /// Returns the chosen curves of a scene.
+    fn curves(&self, tracks: &[CurveTrack], clips: &[Clip]) -> Result<SampledCurves, Error> {
+        match self.curves_from {
+            Some(table) => curves::of_table(table, clips, self.curves),
+            None => curves::of_shapes(tracks, self.curves),
+        }
     }
 
     /// Returns the sampling for poses that are played.
@@ -108,11 +137,14 @@ pub fn load(source: &Source<'_>) -> Result<Loaded, Error> {
         let sampling = source.sampling(source.targets.is_none());
         let Some(scene) = source.scene(&sampling)? else {
             source.check_whole()?;
-            return Ok(npz::load_clips(source.file, &sampling)?.0);
+            let (mut loaded, _) = npz::load_clips(source.file, &sampling)?;
+            loaded.examples.choose_curves(source.curves)?;
+            return Ok(loaded);
         };
         let targets = source.targets.map(targets::read).transpose()?;
         let scene = source.with_all_clips(scene, targets.as_ref());
-        let loaded = scene::join(scene, targets, &sampling)?;
+        let curves = source.curves(&scene.curves, &scene.clips)?;
+        let loaded = scene::join(scene, curves, targets, &sampling)?;
         loaded.checked(&Origin { posed_file: source.targets, ..Origin::SCENE })
     };
     load().map_err(|error: Error| error.in_file(source.file))
@@ -130,10 +162,13 @@ pub fn load_poses(source: &Source<'_>) -> Result<Loaded, Error> {
         let sampling = source.played();
         let Some(scene) = source.scene(&sampling)? else {
             let mut loaded = npz::load_played(source.file, &sampling)?;
+            loaded.examples.choose_curves(source.curves)?;
             rename(&mut loaded.examples, &source.names)?;
             return Ok(loaded);
         };
+        let curves = source.curves(&scene.curves, &scene.clips)?;
         let mut loaded = scene::still(scene)?;
+        curves.put(&mut loaded.examples);
         rename(&mut loaded.examples, &source.names)?;
         loaded.checked(&Origin::SCENE)
     };
@@ -174,9 +209,15 @@ pub fn load_motion(source: &Source<'_>, mesh: Option<&Path>) -> Result<Loaded, E
     };
     source.check_content()?;
     let names = source.names;
-    let character = load_poses(&Source { still: true, names, ..Source::file(mesh) })?.examples;
-    let played = motion::play(source.file, character, &names, &source.played());
-    played.map_err(|error| error.in_file(source.file))
+    let still = Source { still: true, names, curves: Curves::None, ..Source::file(mesh) };
+    let character = load_poses(&still)?.examples;
+    let play = || {
+        let motion =
+            motion::read(source.file, &character.skeleton.names, &names, &source.played())?;
+        let curves = source.curves(&motion.curves, &motion.clips)?;
+        motion::play(motion, character, curves)
+    };
+    play().map_err(|error| error.in_file(source.file))
 }
 
 /// Returns whether a file is a scene whose joints carry no mesh.

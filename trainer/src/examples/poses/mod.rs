@@ -2,14 +2,12 @@
 
 mod plan;
 mod ranges;
-mod save;
+pub(super) mod save;
 
 use self::plan::{Movers, plan};
 use self::ranges::{Carried, Freedoms, Local, of_clips, of_degrees};
 use super::{Examples, Matrix3x4};
 use crate::Error;
-
-pub use self::save::save_poses;
 
 /// Request of poses to train on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,13 @@
 //! Joints of a scene, their bind frames, and the animation of joints and meshes frame by frame.
 
+use super::curves::{NamedChannel, named_channels, tracks, weights};
 use super::file::{fault, matrix};
 use super::meshes::{MeshPart, WEIGHT, channels, is_shaped, skin};
 use crate::Error;
 use crate::formats::FormatWarning;
-use crate::formats::scene::{Clip, Hierarchy, MovingJoints, Sample, Sampling, faults, samples};
+use crate::formats::scene::{
+    Clip, CurveTrack, Hierarchy, MovingJoints, Sample, Sampling, faults, samples,
+};
 use nalgebra::{Matrix4, Vector4};
 use rayon::prelude::*;
 use ufbx::{AnimStack, EvaluateOpts, Mesh, Node, Scene, SceneRoot, SkinningMethod};
@@ -36,14 +39,16 @@ pub(super) fn takes(
     let name = |stack: &AnimStack| stack.element.name.to_string();
     let named = |stack: &AnimStack| sampling.takes(&stack.element.name);
     sampling.check(scene.anim_stacks.iter().map(|stack| name(stack)).collect())?;
-    let tracked = Tracked::new(scene, joints, parts);
+    let shapes = named_channels(scene, sampling);
+    let tracked = Tracked::new(scene, joints, parts, &shapes);
     let parents = hierarchy(scene).parents_among(joints);
     let rate = scene.settings.frames_per_second;
     let frame = if rate > 0.0 { 1.0 / rate } else { 0.0 };
     let (mut takes, mut still) = (Vec::new(), Vec::new());
     for (place, stack) in scene.anim_stacks.iter().enumerate().filter(|(_, stack)| named(stack)) {
         let (keys, keyed) = tracked.keys(stack);
-        if !keyed.contains(&true) {
+        // A clip of curves alone counts if curves are read.
+        if !keyed.contains(&true) && (shapes.is_empty() || keys.is_empty()) {
             still.push(name(stack));
             continue;
         }
@@ -81,19 +86,23 @@ pub(super) struct Posed {
     pub(super) shapes: Option<Vec<[f64; 3]>>,
     /// Whether `shapes` are more than linear blend skinning: moved by blendshapes, or by dual quaternions.
     pub(super) morphs: bool,
+    /// Weights of the channels that were asked for.
+    pub(super) curves: Vec<CurveTrack>,
 }
 
-/// Poses joints, given by their nodes, and the vertices of `parts`. Without a take, returns the joints as the scene
-/// shows them.
+/// Poses joints, given by their nodes, and the vertices of `parts`, and reads the weights of channels. Without a take,
+/// returns the joints and weights as the scene shows them.
 pub(super) fn posed(
     scene: &SceneRoot,
     takes: &[Take],
     nodes: &[usize],
     parts: Option<&[MeshPart]>,
+    named: &[NamedChannel],
 ) -> Result<Posed, Error> {
     if takes.is_empty() {
         let joints = joint_frames(scene, nodes);
-        return Ok(Posed { joints, shapes: None, morphs: false });
+        let curves = tracks(named, &[weights(scene, named)]);
+        return Ok(Posed { joints, shapes: None, morphs: false, curves });
     }
     let moments =
         takes.iter().flat_map(|take| take.samples.iter().map(|sample| (take.stack, sample.at)));
@@ -103,19 +112,23 @@ pub(super) fn posed(
         for part in parts.into_iter().flatten() {
             morphs |= deform(scene, &posed, part, &mut shape);
         }
-        Ok((joint_frames(&posed, nodes), shape, morphs))
+        Ok((joint_frames(&posed, nodes), shape, morphs, weights(&posed, named)))
     };
     let moments: Vec<_> = moments.collect();
     let frames: Vec<Result<_, Error>> = moments.par_iter().map(pose).collect();
-    let mut all = Posed { joints: Vec::new(), shapes: parts.map(|_| Vec::new()), morphs: false };
+    let shapes = parts.map(|_| Vec::new());
+    let mut all = Posed { joints: Vec::new(), shapes, morphs: false, curves: Vec::new() };
+    let mut weights = Vec::with_capacity(frames.len());
     for frame in frames {
-        let (joints, shape, morphs) = frame?;
+        let (joints, shape, morphs, own) = frame?;
+        weights.push(own);
         all.joints.extend(joints);
         all.morphs |= morphs;
         if let Some(shapes) = &mut all.shapes {
             shapes.extend(shape);
         }
     }
+    all.curves = tracks(named, &weights);
     Ok(all)
 }
 
@@ -258,7 +271,7 @@ struct Tracked {
 }
 
 impl Tracked {
-    fn new(scene: &Scene, joints: &[usize], parts: &[MeshPart]) -> Self {
+    fn new(scene: &Scene, joints: &[usize], parts: &[MeshPart], shapes: &[NamedChannel]) -> Self {
         let mut placed = vec![false; scene.elements.len()];
         for &joint in joints {
             let mut node = Some(&scene.nodes[joint]);
@@ -272,6 +285,9 @@ impl Tracked {
             for channel in channels(&scene.meshes[part.mesh]) {
                 weighted[channel.element.element_id as usize] = true;
             }
+        }
+        for shape in shapes {
+            weighted[scene.blend_channels[shape.channel].element.element_id as usize] = true;
         }
         Self { placed, weighted }
     }

@@ -4,6 +4,7 @@
 //! nodes follow one another in the order of the nodes.
 
 pub(super) mod appearance;
+mod curves;
 mod file;
 mod frames;
 mod meshes;
@@ -15,6 +16,7 @@ pub(crate) use meshes::read_shapes;
 use super::mesh::{Mesh, MeshFile};
 use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling};
 use crate::Error;
+use curves::named_channels;
 use file::{open, space};
 use frames::{Joints, Posed, at_rest, bind, hierarchy};
 use meshes::Geometry;
@@ -72,7 +74,8 @@ pub(crate) fn read_motion(
     let found = &joints.nodes;
     let mut warnings = Vec::new();
     let takes = frames::takes(&scene, found, &[], sampling, &mut warnings)?;
-    let Posed { joints: frames, .. } = frames::posed(&scene, &takes, found, None)?;
+    let named = named_channels(&scene, sampling);
+    let Posed { joints: frames, curves, .. } = frames::posed(&scene, &takes, found, None, &named)?;
     let rest: Vec<_> = scene.nodes.iter().map(|node| at_rest(node)).collect();
     let tree = hierarchy(&scene);
     let binds = found.iter().map(|&node| tree.bound(node, &binds, &rest));
@@ -81,6 +84,7 @@ pub(crate) fn read_motion(
         rest: found.iter().map(|&node| rest[node]).collect(),
         binds: binds.collect(),
         frames,
+        curves,
         joints,
         clips: frames::clips(takes),
         warnings,
@@ -123,7 +127,9 @@ fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, Error> {
     }
     let posed = meshes::are_posed(&scene, &parts, &mut warnings);
     let shown = (posed && sampling.shapes).then_some(parts.as_slice());
-    let Posed { joints: frames, shapes, morphs } = frames::posed(&scene, &takes, &nodes, shown)?;
+    let named = named_channels(&scene, sampling);
+    let Posed { joints: frames, shapes, morphs, curves } =
+        frames::posed(&scene, &takes, &nodes, shown, &named)?;
     Ok(SampledScene {
         rest: geometry.rest,
         triangles: geometry.triangles,
@@ -134,7 +140,9 @@ fn parse(bytes: &[u8], sampling: &Sampling<'_>) -> Result<SampledScene, Error> {
         names,
         parents,
         binds,
+        at_rest: nodes.iter().map(|&node| at_rest(&scene.nodes[node])).collect(),
         frames,
+        curves,
         shapes,
         morphs,
         clips: frames::clips(takes),

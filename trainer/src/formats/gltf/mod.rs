@@ -1,5 +1,6 @@
 //! glTF 2.0: reads characters, posed meshes, shapes and motion, as a viewer shows them.
 
+mod curves;
 mod file;
 mod keys;
 mod meshes;
@@ -36,7 +37,7 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     let skins = Skins::read(&parsed, &mut meshes, !sampling.shapes)?;
     let mut warnings = Vec::from_iter(skins.neutral(&parsed.nodes, &meshes));
     warnings.extend(meshes.warnings().chain(parsed.untargeted.clone()));
-    let scene = Scene::new(&parsed, meshes)?;
+    let scene = Scene::new(&parsed, meshes, sampling.curves)?;
     let mut welded = Welded::new(&scene.meshes);
     let (names, equal) = parsed.nodes.tree.unique_names(|node| skins.joints.contains(&node));
     warnings.extend(welded.repaired.take().into_iter().chain(equal));
@@ -55,7 +56,10 @@ pub(crate) fn read(path: &Path, sampling: &Sampling<'_>) -> Result<SampledScene,
     let (frames, shapes): (Vec<_>, Vec<_>) = posed.into_iter().unzip();
     let mut clips_played = moments.iter().filter_map(|moment| moment.clip);
     let morphs = clips_played.any(|clip| clip.shapes(|node| scene.shows(node)));
+    let at_rest = scene.nodes.worlds(&scene.nodes.locals);
     Ok(SampledScene {
+        at_rest: skins.joints.iter().map(|&node| at_rest[node]).collect(),
+        curves: scene.curves(&moments),
         rest: welded.pick(&scene.meshes.positions),
         ranges: welded.ranges(&scene.meshes),
         joint_weights: Some(skins.weights_of(&scene.meshes, &welded.firsts)),
@@ -83,7 +87,7 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, Error> {
     let wanted = Wanted { skinned_only: false, default_shape: true };
     let mut meshes = Meshes::required(&parsed, wanted)?;
     let skins = Skins::read(&parsed, &mut meshes, false)?;
-    let scene = Scene::new(&parsed, meshes)?;
+    let scene = Scene::new(&parsed, meshes, false)?;
     let plays = scene.animations.iter().any(|clip| clip.shapes(|node| scene.shows(node)));
     if !plays && skins.joints.is_empty() {
         return Err(Error::missing(
@@ -96,7 +100,14 @@ pub(crate) fn read_posed_meshes(path: &Path) -> Result<PosedMeshes, Error> {
     let unskinned = instances.iter().filter(|instance| instance.skin.is_none());
     let moving = skins.joints.iter().copied().chain(unskinned.map(|instance| instance.node));
     let moving: Vec<usize> = moving.collect();
-    let sampling = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+    let sampling = Sampling {
+        fps: None,
+        clips: &[],
+        shapes: true,
+        still: false,
+        played: false,
+        curves: false,
+    };
     let (_, moments) = scene.sample(&moving, &sampling, &mut Vec::new())?;
     let shapes: Vec<_> = moments
         .par_iter()
@@ -169,7 +180,7 @@ pub(crate) fn read_motion(
     // Skins that disagree have no common bind pose; the nodes then give the rest pose.
     let skins = Skins::all(&parsed).unwrap_or_default();
     let joints = MotionJoints::find(candidates(&parsed, &skins), character, names)?;
-    let scene = Scene::new(&parsed, Meshes::default())?;
+    let scene = Scene::new(&parsed, Meshes::default(), sampling.curves)?;
     let found = &joints.nodes;
     let mut warnings = Vec::from_iter(parsed.untargeted.clone());
     let (clips, moments) = scene.sample(found, sampling, &mut warnings)?;
@@ -185,6 +196,7 @@ pub(crate) fn read_motion(
         rest: found.iter().map(|&node| at_rest[node]).collect(),
         binds: binds.collect(),
         frames: frames.collect(),
+        curves: scene.curves(&moments),
         joints,
         clips,
         warnings,

@@ -1,13 +1,15 @@
 //! The skins of a glTF file, joined into one skeleton, and the scene that they move in.
 
+use super::curves::{NamedTargets, named_targets, tracks};
 use super::file::{Parsed, no_such, numbers, other_count};
 use super::keys::ClipKeys;
 use super::meshes::{Meshes, no_skin};
 use super::nodes::{Local, Nodes};
 use crate::Error;
 use crate::formats::FormatWarning;
-use crate::formats::scene::{Clip, MovingJoints, Sample, Sampling, faults, samples};
+use crate::formats::scene::{Clip, CurveTrack, MovingJoints, Sample, Sampling, faults, samples};
 use nalgebra::{Matrix3, Matrix4, Vector3};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Share of the largest entry within which two bind matrices of a joint agree; files round them.
@@ -204,6 +206,8 @@ pub(super) struct Scene<'a> {
     pub(super) nodes: &'a Nodes,
     pub(super) meshes: Meshes,
     pub(super) animations: Vec<ClipKeys>,
+    /// Morph targets whose weights are curves.
+    pub(super) named: Vec<NamedTargets>,
 }
 
 /// A time of a clip; without a clip, the scene without animation.
@@ -216,10 +220,13 @@ pub(super) struct Moment<'a> {
 impl<'a> Scene<'a> {
     /// Reads the animations that move some meshes.
     ///
+    /// - `curves`: whether weights of named morph targets are curves.
+    ///
     /// # Errors
     /// Those of [`ClipKeys::read`].
-    pub(super) fn new(file: &'a Parsed, meshes: Meshes) -> Result<Self, Error> {
-        Ok(Self { nodes: &file.nodes, meshes, animations: ClipKeys::read(file)? })
+    pub(super) fn new(file: &'a Parsed, meshes: Meshes, curves: bool) -> Result<Self, Error> {
+        let named = if curves { named_targets(file) } else { Vec::new() };
+        Ok(Self { nodes: &file.nodes, meshes, animations: ClipKeys::read(file)?, named })
     }
 
     /// Lists the clips to read and their sample times, for these moving joints or other nodes.
@@ -244,7 +251,8 @@ impl<'a> Scene<'a> {
         let parents = self.nodes.tree.parents_among(joints);
         let (mut clips, mut moments, mut idle) = (Vec::new(), Vec::new(), Vec::new());
         for keys in self.animations.iter().filter(|keys| sampling.takes(&keys.name)) {
-            let times = keys.times(|node| moved[node], |node| self.shows(node));
+            let is_named = |node| self.named.iter().any(|own| own.node == node);
+            let times = keys.times(|node| moved[node], |node| self.shows(node) || is_named(node));
             let pose = |time| {
                 let worlds = self.nodes.worlds(&self.at(&Moment { clip: Some(keys), time }).0);
                 Ok(joints.iter().map(|&node| worlds[node]).collect())
@@ -269,6 +277,15 @@ impl<'a> Scene<'a> {
     /// Returns whether a node shows a mesh.
     pub(super) fn shows(&self, node: usize) -> bool {
         self.meshes.instances.iter().any(|instance| instance.node == node)
+    }
+
+    /// Samples the weights of the named morph targets.
+    pub(super) fn curves(&self, moments: &[Moment<'_>]) -> Vec<CurveTrack> {
+        if self.named.is_empty() {
+            return Vec::new();
+        }
+        let frames: Vec<_> = moments.par_iter().map(|moment| self.at(moment).1).collect();
+        tracks(&self.named, &frames)
     }
 
     /// Returns the nodes' transforms at a moment, and the weights of their morph targets.

@@ -125,6 +125,8 @@ pub(crate) struct Sampling<'a> {
     pub(crate) still: bool,
     /// Whether clips are sampled for playback instead of training.
     pub(crate) played: bool,
+    /// Whether to read the weights of named shapes.
+    pub(crate) curves: bool,
 }
 
 impl Sampling<'_> {
@@ -211,7 +213,7 @@ mod tests {
         sample_times(
             "walk",
             keys.to_vec(),
-            &Sampling { fps, clips: &[], shapes: true, still: false, played: false },
+            &Sampling { fps, clips: &[], shapes: true, still: false, played: false, curves: false },
         )
     }
 

@@ -1,6 +1,7 @@
 //! Scenes: rigged characters and their clips, from any format.
 
 mod clip;
+mod curves;
 pub(crate) mod faults;
 mod hierarchy;
 mod names;
@@ -9,6 +10,7 @@ mod played;
 pub(super) use clip::Sample;
 pub use clip::{Clip, RATES};
 pub(crate) use clip::{EVEN, RATE, Sampling};
+pub(crate) use curves::CurveTrack;
 pub(super) use hierarchy::Hierarchy;
 pub use names::JointNames;
 pub(crate) use names::mismatch;
@@ -41,8 +43,12 @@ pub(crate) struct SampledScene {
     pub(crate) parents: Vec<Option<usize>>,
     /// World frame of each joint in the bind pose, J.
     pub(crate) binds: Vec<Matrix4<f64>>,
+    /// World frame of each joint without animation, J.
+    pub(crate) at_rest: Vec<Matrix4<f64>>,
     /// World frame of each joint in each frame, N x J, frame-major.
     pub(crate) frames: Vec<Matrix4<f64>>,
+    /// Weights of named shapes of all meshes; empty if they were not requested.
+    pub(crate) curves: Vec<CurveTrack>,
     /// Posed positions, N x V, as the file itself poses them; `None` without a skin, or if they were not requested.
     pub(crate) shapes: Option<Vec<[f64; 3]>>,
     /// Whether blendshapes move in `shapes`; otherwise `shapes` are plain LBS.
@@ -65,6 +71,8 @@ pub(crate) struct Motion {
     pub(crate) binds: Option<Vec<Matrix4<f64>>>,
     /// World frame of each joint in each frame, frame-major.
     pub(crate) frames: Vec<Matrix4<f64>>,
+    /// Weights of named shapes of all meshes; empty if they were not requested.
+    pub(crate) curves: Vec<CurveTrack>,
     /// Clips of the frames.
     pub(crate) clips: Vec<Clip>,
     /// Data that was left out.

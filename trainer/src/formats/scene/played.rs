@@ -228,7 +228,8 @@ mod tests {
     }
 
     fn sampled(keys: &[f64], fps: Option<f64>, angle: impl Fn(f64) -> f64 + Sync) -> Vec<Sample> {
-        let sampling = Sampling { fps, clips: &[], shapes: false, still: false, played: true };
+        let sampling =
+            Sampling { fps, clips: &[], shapes: false, still: false, played: true, curves: false };
         let pose = |time: f64| Ok(arm(angle(time)));
         let joints = MovingJoints { parents: &[None, Some(0)], frame: 0.0, pose };
         samples("turn", keys.to_vec(), &sampling, &joints).unwrap()
@@ -259,8 +260,14 @@ mod tests {
 
     #[test]
     fn baked_frames_are_not_subdivided() {
-        let sampling =
-            Sampling { fps: None, clips: &[], shapes: false, still: false, played: true };
+        let sampling = Sampling {
+            fps: None,
+            clips: &[],
+            shapes: false,
+            still: false,
+            played: true,
+            curves: false,
+        };
         // A turn over one baked frame at 24 frames a second, then a curve over ten frames.
         let keys = [0.0, 1.0 / 24.0, 11.0 / 24.0];
         let pose =

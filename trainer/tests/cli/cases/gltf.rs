@@ -170,6 +170,48 @@ fn a_scaled_joint_that_moves_nothing_is_no_matter() {
     assert!(lbs(&folder, "bound.glb") <= 1e-4);
 }
 
+#[test]
+fn joints_that_stretch_are_told_from_a_growing_character() {
+    let Some(folder) = with_cases("squash", &["gltf/squash_leaf.glb"]) else { return };
+    assert!(lbs(&folder, "squash_leaf.glb") <= 1e-4);
+    // The root grows, the joint above it stretches, and the mesh is in centimetres.
+    let mut glb = Glb::read(&folder, "squash_leaf.glb");
+    let keys: Vec<f32> = (0..13).map(|key| key as f32 / 12.0).collect();
+    let growth: Vec<f32> = keys.iter().flat_map(|key| [1.0 + 0.6 * key; 3]).collect();
+    let stretch: Vec<f32> = keys.iter().flat_map(|key| [1.0, 1.0 + 0.4 * key * key, 1.0]).collect();
+    let added = [glb.floats("VEC3", 3, &growth), glb.floats("VEC3", 3, &stretch)];
+    let clip = &mut glb.json["animations"][0];
+    for (node, output) in added.into_iter().enumerate() {
+        let samplers = clip["samplers"].as_array_mut().unwrap();
+        samplers.push(json!({ "input": 5, "output": output }));
+        let sampler = samplers.len() - 1;
+        let target = json!({ "node": node, "path": "scale" });
+        clip["channels"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({ "sampler": sampler, "target": target }));
+    }
+    glb.write(&folder, "grows.glb");
+    glb.json["nodes"][4]["scale"] = json!([0.01, 0.01, 0.01]);
+    glb.write(&folder, "centimetres.glb");
+    let positions = glb.values(&json!(0));
+    let extent = [0, 1, 2].map(|axis| {
+        let all = positions.iter().skip(axis).step_by(3).copied();
+        all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
+    });
+    let size = extent.iter().map(|x| x * x).sum::<f64>().sqrt();
+    for (file, metres) in [("grows.glb", 1.0), ("centimetres.glb", 0.01)] {
+        assert!(lbs(&folder, file) <= 1e-4, "{file}");
+        let message = run(&folder, &format!("train --predictor kernel {file} -o m.sinew")).err;
+        let words = "joint root scales the whole character in 12 frames, by up to 1.6000";
+        assert!(message.contains(words), "{message}");
+        let found = run(&folder, &format!("-q eval m.sinew {file} --json")).out;
+        let found: Value = serde_json::from_str(&found).unwrap();
+        let diagonal = found["diagonal_mm"].as_f64().unwrap() / metres;
+        assert!((diagonal / (1000.0 * size) - 1.0).abs() < 1e-4, "{file}: {diagonal}, {size}");
+    }
+}
+
 /// The tube's rings become strips and its ends fans, with stitches and restarts.
 #[test]
 fn strips_and_fans_are_triangles() {

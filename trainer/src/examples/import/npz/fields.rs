@@ -5,7 +5,7 @@ use crate::Error;
 use crate::examples::validate::{empty, out_of_range, same};
 use crate::examples::{Clip, RATES, Split};
 use crate::formats::npz::{Archive, Number, Rows, missing};
-use crate::mesh::EngineMesh;
+use crate::mesh::{Corners, EngineMesh};
 use sinew_runtime::format::{Axis, Handedness, Space};
 use std::ops::Range;
 use std::path::Path;
@@ -13,7 +13,9 @@ use std::path::Path;
 /// Arrays of faces: quads, then triangles.
 pub(super) const FACES: [&str; 2] = ["quads", "tris"];
 /// Arrays with the texture coordinates of the corners of quads and triangles, the usual names first.
-const BY_CORNER: [[&str; 2]; 2] = [["quads_uv", "tris_uv"], ["uv_quads", "uv_tris"]];
+const UV_BY_CORNER: [[&str; 2]; 2] = [["quads_uv", "tris_uv"], ["uv_quads", "uv_tris"]];
+/// Arrays with the normals of the corners of quads and triangles.
+const NORMALS_BY_CORNER: [[&str; 2]; 1] = [["quads_normals", "tris_normals"]];
 /// Clips, as runs of frames.
 pub(super) const CLIPS: RunKind =
     RunKind { what: "clips", names: "clip_names", starts: "clip_starts" };
@@ -65,33 +67,62 @@ pub(super) fn read_faces(
     Ok(Some(Faces { triangles, counts }))
 }
 
-/// Reads texture coordinates per vertex or per corner; `None` without the array.
+/// Reads texture coordinates and normals, each per vertex or per corner, as engine vertices; `None` without either
+/// array. Also returns the number of normals without a direction, which are repaired.
 ///
 /// # Errors
-/// An array cannot be read, the number of coordinates or faces is wrong, or a corner is out of range.
-pub(super) fn read_texture(
+/// An array cannot be read, the number of coordinates, normals or faces is wrong, or a corner is out of range.
+pub(super) fn read_engine(
     archive: &mut Archive,
     positions: &[[f64; 3]],
     faces: &Faces,
-) -> Result<Option<EngineMesh>, Error> {
-    let Some(uv) = archive.rows::<f64, 2>("uv", &[2])?.map(|uv| uv.data) else { return Ok(None) };
-    let mut by_corner = None;
-    for names in BY_CORNER {
-        if by_corner.is_none() {
-            by_corner = read_faces(archive, names, uv.len())?.map(|found| (names, found));
+) -> Result<(Option<EngineMesh>, usize), Error> {
+    let vertex_len = positions.len();
+    let uv = read_corners(archive, "uv", &UV_BY_CORNER, vertex_len, faces)?;
+    let normals = read_corners(archive, "normals", &NORMALS_BY_CORNER, vertex_len, faces)?;
+    if uv.is_none() && normals.is_none() {
+        return Ok((None, 0));
+    }
+    let vertices = faces.triangles.as_flattened().to_vec();
+    let places: Vec<usize> = (0..vertices.len()).collect();
+    let corners = Corners { vertices, normals, uv, ..Corners::default() };
+    let (engine, repaired) = corners.engine_mesh(positions, places.as_chunks().0);
+    Ok((Some(engine), repaired))
+}
+
+/// Reads an attribute of K numbers at each corner of the triangles, 3T; `None` without the array.
+///
+/// - `by_corner`: possible names of the arrays with the index of each corner; without these arrays the attribute belongs
+///   to the vertices.
+fn read_corners<const K: usize>(
+    archive: &mut Archive,
+    array: &'static str,
+    by_corner: &[[&'static str; 2]],
+    vertex_len: usize,
+    faces: &Faces,
+) -> Result<Option<Vec<[f64; K]>>, Error> {
+    let Some(rows) = archive.rows::<f64, K>(array, &[K as u64])? else { return Ok(None) };
+    let all = rows.data;
+    let mut found = None;
+    for &names in by_corner {
+        if found.is_none() {
+            found = read_faces(archive, names, all.len())?.map(|found| (names, found));
         }
     }
-    let triangles = &faces.triangles;
-    let Some((names, found)) = by_corner else {
-        same("vertices", "rest", positions.len(), "uv", uv.len())?;
-        return Ok(Some(EngineMesh::of_vertices(positions, triangles, &uv)));
+    let places = match &found {
+        Some((names, found)) => {
+            for kind in 0..2 {
+                let [expected, found] = [faces, found].map(|faces| faces.counts[kind].unwrap_or(0));
+                same("faces", FACES[kind], expected, names[kind], found)?;
+            }
+            &found.triangles
+        }
+        None => {
+            same("vertices", "rest", vertex_len, array, all.len())?;
+            &faces.triangles
+        }
     };
-    for kind in 0..2 {
-        let [expected, found] = [faces, &found].map(|faces| faces.counts[kind].unwrap_or(0));
-        same("faces", FACES[kind], expected, names[kind], found)?;
-    }
-    let uv = found.triangles.as_flattened().iter().map(|&place| uv[place]).collect();
-    Ok(Some(EngineMesh::of_corners(positions, triangles, uv)))
+    Ok(Some(places.as_flattened().iter().map(|&place| all[place]).collect()))
 }
 
 /// Reads the clips of N frames, and the frame rate if given. Without named clips all frames are one clip, named after

@@ -13,6 +13,8 @@
 //! | `joint_world_rest` | J, 4, 4 | optional: rest frames of the joints |
 //! | `uv` | U, 2 | optional texture coordinates, v upward; U = V without the next row |
 //! | `quads_uv`, `tris_uv` | as `quads`, `tris` | optional: `uv` index of each corner; also `uv_quads`, `uv_tris` |
+//! | `normals` | M, 3 | optional authored normals; M = V without the next row |
+//! | `quads_normals`, `tris_normals` | as `quads`, `tris` | optional: `normals` index of each corner; differs at hard edges |
 //! | `clip_names`, `clip_starts` | C | optional clips and their first frames: 0, then ascending; else one clip, named after the file |
 //! | `fps` | | optional frames per second, 30 without |
 //! | `frame_numbers` | N | optional: frame numbers of the source, whole and ascending in each clip |
@@ -38,8 +40,8 @@ use std::path::Path;
 pub use save::save_npz;
 
 use self::fields::{
-    FACES, MESHES, read_clips, read_curves, read_each, read_faces, read_joint_weights, read_runs,
-    read_space, read_split, read_texture,
+    FACES, MESHES, read_clips, read_curves, read_each, read_engine, read_faces, read_joint_weights,
+    read_runs, read_space, read_split,
 };
 use self::sidecar::{Parent, Sidecar};
 use super::clips::{selected, selected_rows};
@@ -50,6 +52,7 @@ use crate::examples::distortion::REPAIRABLE;
 use crate::examples::joints::join_roots;
 use crate::examples::validate::{distorted, missing_parent, same};
 use crate::examples::{Distortion, Examples, Matrix3x4, Skeleton, Split, Warning, numbered};
+use crate::formats::FormatWarning;
 use crate::formats::npz::{Archive, Rows, missing};
 use crate::formats::posed_meshes::PosedMeshes;
 use crate::formats::scene::Sampling;
@@ -63,7 +66,14 @@ use crate::formats::scene::Sampling;
 /// A file cannot be read, lacks an array, has an array of another type or shape, or fails [`Examples::validate`]; the
 /// error names the file.
 pub fn load(path: &Path) -> Result<Loaded, Error> {
-    let all = Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+    let all = Sampling {
+        fps: None,
+        clips: &[],
+        shapes: true,
+        still: false,
+        played: false,
+        curves: false,
+    };
     Ok(load_clips(path, &all)?.0)
 }
 
@@ -129,13 +139,14 @@ fn read(
     let rest = archive.required::<f64, 3>("rest", &[3])?.data;
     let faces = read_faces(&mut archive, FACES, rest.len())?;
     let faces = faces.ok_or_else(|| missing("quads or tris"))?;
-    let engine = read_texture(&mut archive, &rest, &faces)?;
+    let (engine, repaired) = read_engine(&mut archive, &rest, &faces)?;
 
     let Rows { lead, data: vertices } = archive.required::<f64, 3>("vertices", &[0, 3])?;
     let (frame_len, posed_len) = (lead[0], lead[1]);
     same("vertices", "rest", rest.len(), "vertices", posed_len)?;
     let (clips, fps) = read_clips(&mut archive, sidecar, path, frame_len)?;
-    let mut warnings = Vec::new();
+    let repaired = FormatWarning::repaired(repaired);
+    let mut warnings: Vec<Warning> = repaired.into_iter().map(Warning::from).collect();
     let (skeleton, matrices) = if has_joints || !has_curves {
         read_joints(&mut archive, sidecar, frame_len, &mut warnings)?
     } else {

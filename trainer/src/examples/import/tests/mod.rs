@@ -1,7 +1,9 @@
 //! Tests of joining scenes and posed meshes: here with a real rig and its posed meshes, in every pair of formats.
 
+mod curves;
 mod meshes;
 mod scene;
+mod stretch;
 
 use super::source::{Source, load};
 use crate::examples::{Examples, Loaded, Warning};

@@ -1,6 +1,7 @@
 //! Tests of converting a scene and its targets to examples.
 
-use super::super::scene::join;
+use super::super::curves::SampledCurves;
+use super::super::scene;
 use super::super::targets::TargetMeshes;
 use crate::examples::{Clip, Examples, Loaded, Split, Warning};
 use crate::formats::posed_meshes::PosedMeshes;
@@ -12,11 +13,11 @@ use rand_chacha::ChaCha8Rng;
 use sinew_runtime::format::Space;
 use std::path::Path;
 
-const FRAMES: usize = 6;
-const VERTICES: usize = 60;
+pub(super) const FRAMES: usize = 6;
+pub(super) const VERTICES: usize = 60;
 
 /// Creates an asymmetric limb along x that bends and bulges at a joint.
-fn limb() -> (SampledScene, Vec<[f64; 3]>) {
+pub(super) fn limb() -> (SampledScene, Vec<[f64; 3]>) {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let mut within = |low: f64, high: f64| random.random_range(low..high);
     let rest: Vec<[f64; 3]> =
@@ -47,7 +48,9 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
         names: vec!["upper".into(), "lower".into()],
         parents: vec![None, Some(0)],
         binds: vec![bind(0.0), bind(1.0)],
+        at_rest: vec![bind(0.0), bind(1.0)],
         frames,
+        curves: Vec::new(),
         shapes: None,
         morphs: false,
         clips: vec![Clip { name: "bend".into(), first: 0, times, numbers: None }],
@@ -56,9 +59,18 @@ fn limb() -> (SampledScene, Vec<[f64; 3]>) {
     (scene, posed)
 }
 
+/// Joins a scene without curves.
+fn join(
+    scene: SampledScene,
+    targets: Option<TargetMeshes>,
+    sampling: &Sampling<'_>,
+) -> Result<Loaded, Error> {
+    scene::join(scene, SampledCurves::default(), targets, sampling)
+}
+
 const FILE: &str = "limb.pc2";
 
-fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
+pub(super) fn targets(vertices: Vec<[f64; 3]>) -> TargetMeshes {
     TargetMeshes::new(Path::new(FILE), PosedMeshes::bare(VERTICES, vertices))
 }
 
@@ -69,8 +81,8 @@ fn about_targets(error: &Error, words: &str) {
     assert!(error.message().starts_with(words), "{error}");
 }
 
-const KEYS: Sampling<'_> =
-    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+pub(super) const KEYS: Sampling<'_> =
+    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false, curves: false };
 
 /// Converts y up to z up, and metres to centimetres.
 fn converted([x, y, z]: [f64; 3]) -> [f64; 3] {
@@ -366,7 +378,14 @@ fn meshes_at_one_rate_need_keys_at_one_rate() {
         join(
             scene,
             Some(posed),
-            &Sampling { fps: Some(24.0), clips: &[], shapes: true, still: false, played: false }
+            &Sampling {
+                fps: Some(24.0),
+                clips: &[],
+                shapes: true,
+                still: false,
+                played: false,
+                curves: false
+            }
         )
         .is_ok()
     );

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::ErrorKind;
-use crate::examples::{Examples, npz};
+use crate::examples::{Examples, Source, load, npz};
 use crate::formats::fbx::meshes::parse_shapes;
 
 #[track_caller]
@@ -57,6 +57,7 @@ fn missing_and_idle_clips_are_refused() {
             shapes: true,
             still: false,
             played: false,
+            curves: false,
         };
         arm.sampled(&sampling).err().unwrap().to_string()
     };
@@ -92,6 +93,20 @@ fn meshes_bound_in_different_poses_are_refused() {
     };
     says(&bound(0.5).fault(), "mesh sleeve binds joint tip elsewhere than the other meshes do");
     assert_eq!(bound(1e-6).rig().rest.len(), 10, "rounding is no difference");
+}
+
+#[test]
+fn joints_that_hide_or_mirror_are_named_with_their_frame() {
+    for (x, words) in
+        [(0.0, "frame 1: joint tip is scaled to 0: "), (-1.0, "frame 1: joint tip is mirrored: ")]
+    {
+        let mut arm = Arm::skinned("Linear");
+        arm.scene.keys(arm.layer, arm.tip, "Lcl Scaling", "d|X", &[(1, 1.0), (2, x)]);
+        let folder = Folder::new(&format!("fbx-hidden{x}"));
+        let path = folder.write("arm.fbx", arm.scene.text());
+        let error = load(&Source::file(&path)).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::formats::testing::{Folder, spoil};
 use nalgebra::Matrix4;
 use sinew_runtime::format::{Axis, Handedness, Space};
 
+mod curves;
 mod faults;
 mod scene;
 
@@ -13,7 +14,7 @@ use scene::{Scene, translation};
 
 /// All clips, at their own keys.
 const KEYS: Sampling<'_> =
-    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false };
+    Sampling { fps: None, clips: &[], shapes: true, still: false, played: false, curves: false };
 
 /// A quad and a triangle along x.
 const ARM: [[f64; 3]; 5] =
@@ -420,6 +421,7 @@ fn animations_are_clips_and_empty_ones_are_skipped() {
             shapes: true,
             still: false,
             played: false,
+            curves: false,
         })
         .unwrap();
     let times: Vec<f64> = walk.clips[0].times.iter().map(|time| (time * 48.0).round()).collect();

@@ -143,7 +143,7 @@ impl Scene {
     }
 
     /// Adds linear keys to an axis of a property. A key is a frame, at 24 a second, and a value. The axis is `d|X`, or
-    /// the name of a scalar property.
+    /// the name of a scalar property. The other axes of a scale are 1, those of other properties 0.
     pub(super) fn keys(
         &mut self,
         layer: u32,
@@ -152,7 +152,12 @@ impl Scene {
         axis: &str,
         keys: &[(i64, f64)],
     ) {
-        let node = self.object("AnimationCurveNode", "", "", "");
+        let one = |axis: &str| format!("P: \"d|{axis}\", \"Number\", \"\", \"A\",1\n");
+        let others = match property {
+            "Lcl Scaling" => format!("Properties70: {{\n{}}}\n", ["X", "Y", "Z"].map(one).concat()),
+            _ => String::new(),
+        };
+        let node = self.object("AnimationCurveNode", "", "", &others);
         self.connect(node, layer);
         self.connect_to(node, object, property);
         let (times, values): (Vec<i64>, Vec<f64>) =

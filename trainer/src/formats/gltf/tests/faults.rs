@@ -187,3 +187,18 @@ fn damaged_files_never_panic() {
         try_bytes(&bytes);
     }
 }
+
+#[test]
+fn joints_that_hide_or_mirror_are_named_with_their_frame() {
+    for (x, words) in [
+        (0.0, "frame 4: joint lower is scaled to 0: "),
+        (-1.0, "frame 4: joint lower is mirrored: "),
+    ] {
+        let mut made = Made::scene();
+        let times = made.floats(&[[0.0], [1.0]]);
+        let scales = made.floats(&[[1.0; 3], [x, 1.0, 1.0]]);
+        made.clip("hide", json!({ "node": 2, "path": "scale" }), times, scales, "LINEAR");
+        let message = refused(&made, &format!("hidden{x}"));
+        assert!(message.contains(words), "{message}");
+    }
+}

@@ -1,5 +1,6 @@
 //! Tests of glTF: from files to examples, and morph targets by name.
 
+mod curves;
 mod faults;
 mod made;
 

@@ -61,7 +61,8 @@ fn one_clip_is_read_alone() {
     let path = moved.whole("split", 3, 0).write(&folder);
     let of = |clip: &str| {
         let clips = &[clip.to_owned()];
-        let one = Sampling { fps: None, clips, shapes: true, still: false, played: false };
+        let one =
+            Sampling { fps: None, clips, shapes: true, still: false, played: false, curves: false };
         load_clips(&path, &one).map(|(loaded, _)| loaded)
     };
     let Loaded { examples, clips, .. } = of("Stretch").unwrap();
