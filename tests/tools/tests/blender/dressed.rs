@@ -38,7 +38,7 @@ fn glb(file: &Path, examples: &Examples, clips: &[sinew_trainer::examples::Clip]
     serde_json::from_slice(&glb[20..20 + json_len]).unwrap()
 }
 
-/// Texts by name, and vertices of a material by name.
+/// Colour or image of each material, and material and triangles of each primitive by mesh.
 type Looks = (BTreeMap<String, String>, BTreeMap<String, Vec<(String, u64)>>);
 
 /// Returns the colour or image of each material by name, and the material and triangles of each
