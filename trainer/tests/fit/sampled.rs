@@ -1,6 +1,6 @@
 //! Poses to train on: their ranges, their combinations, and the model that they train.
 
-use nalgebra::{Matrix3, Matrix3x4, Rotation3, Vector3};
+use nalgebra::{Matrix3, Matrix3x4, Rotation3, UnitQuaternion, Vector3};
 use sinew_trainer::ErrorKind;
 use sinew_trainer::envelope::{Options, train};
 use sinew_trainer::evaluate::{Frames, evaluate};
@@ -96,7 +96,8 @@ impl Pose {
                 _ => linear(joint),
             };
             let turn = axes(joint).transpose() * before.transpose() * own * axes(joint);
-            pose.turns[joint] = Rotation3::from_matrix_unchecked(turn).scaled_axis();
+            let turn = Rotation3::from_matrix_unchecked(turn);
+            pose.turns[joint] = UnitQuaternion::from_rotation_matrix(&turn).scaled_axis();
             before = own;
         }
         pose
@@ -293,7 +294,10 @@ fn far_joints_share_poses_if_poses_are_few() {
     let moved: Vec<[bool; 5]> = (0..4).map(|index| Pose::read(&poses, index).moved()).collect();
     // Two poses for each half of the movers; `upper` and `lower`, which are neighbours, are apart.
     assert!(moved.iter().all(|moved| !(moved[1] && moved[2])), "{moved:?}");
-    assert!((1..5).all(|mover| moved.iter().filter(|moved| moved[mover]).count() == 2));
+    assert!(
+        (1..5).all(|mover| moved.iter().filter(|moved| moved[mover]).count() == 2),
+        "{moved:?}"
+    );
 }
 
 #[test]

@@ -51,9 +51,12 @@ impl Freedoms {
             .fold([0.0, 0.0], |[low, high]: [f64; 2], value| [low.min(value), high.max(value)]);
         let margin = MARGIN * (high - low);
         if high - low > least {
-            let low = if -low > margin { low - margin } else { low };
-            let high = if high > margin { high + margin } else { high };
-            self.0.push((number, [low, high]));
+            let end = |end: f64| match end.abs() {
+                far if far > margin => end + margin * end.signum(),
+                far if far > least => end,
+                _ => 0.0,
+            };
+            self.0.push((number, [end(low), end(high)]));
         }
     }
 }
