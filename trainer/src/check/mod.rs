@@ -170,7 +170,9 @@ pub fn judge<'a>(
     let never_together = coverage::never_together(&context);
     progress.step("poses", 1);
     let mut predicted = redundancy::predict(&context);
-    findings.extend(predicted.as_ref().and_then(redundancy::unexplained));
+    if wrong.is_empty() {
+        findings.extend(predicted.as_ref().and_then(redundancy::unexplained));
+    }
     if let Some(predicted) = &mut predicted {
         predicted.isolated.retain(|pose| !wrong.contains(&pose.frame.frame));
     }

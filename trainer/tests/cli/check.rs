@@ -78,8 +78,8 @@ fn tables_are_aligned_for_names_in_every_script() {
 fn a_check_prints_one_object_with_the_keys_promised() {
     let folder = Folder::with_demo("check-json");
     let found = folder.sinew("check demo.npz --json").json();
-    let promised = ["advice", "faces", "findings", "joints", "lbs", "never_together", "predicted"];
-    assert_eq!(keys(&found), [&promised[..], &["rest", "size"]].concat());
+    let promised = ["advice", "curves", "faces", "findings", "joints", "lbs", "never_together"];
+    assert_eq!(keys(&found), [&promised[..], &["predicted", "rest", "size"]].concat());
     assert_eq!(found["joints"].as_array().unwrap().len(), Set::demo().joint_len());
     assert_eq!(found["predicted"]["compared"], TRAINING);
     let lbs = folder.sinew("eval demo.sinew demo.npz --json --split train").json();

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Largest number of poses.
 const FRAMES_MAX: usize = 10_000;
 
-/// Samples poses of a rig, to evaluate in your program and to train on
+/// Samples poses of a rig, to train on
 ///
 /// Up to a third of the poses moves each joint and each curve alone, up to a third moves joints with their parents and
 /// curves in pairs, and the rest moves all. Ranges are those of the rig's clips, in its training frames, and a tenth more on either
