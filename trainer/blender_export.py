@@ -86,7 +86,7 @@ def main(arguments):
         frames = [frame for clip in clips for frame in clip.frames]
         clips[0].play()
         parts, rest, shapes = at_rest(scene, frames[0], meshes, armature, bones, options.importance)
-        found = controls(scene, meshes, armature, options.curves)
+        found = controls(meshes, armature, moved.owners() if moved else [], options.curves)
         posed, values = poses(scene, meshes, parts, armature, rest, bones, clips, found)
     finally:
         if moved:
@@ -397,16 +397,20 @@ def kept(scene, armature, meshes):
     return restore
 
 
-def controls(scene, meshes, armature, which):
-    """Lists the numbers that may become curves: custom properties and shape keys."""
+def controls(meshes, armature, others, which):
+    """Lists the numbers that may become curves: shape keys, and custom properties of the objects, their data, bones and
+    others.
+    """
     found, odd = [], []
-    for holder in dict.fromkeys([armature, *meshes]) if which != "none" else []:
+    objects = [armature, *meshes]
+    holders = [*objects, *(thing.data for thing in objects), *others]
+    for holder in dict.fromkeys(holders) if which != "none" else []:
         add_properties(found, odd, holder, holder, "", which)
         if holder == armature:
             for bone in armature.pose.bones:
                 path = f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"]'
                 add_properties(found, odd, armature, bone, path, which)
-        keys = getattr(holder.data, "shape_keys", None)
+        keys = getattr(holder.data, "shape_keys", None) if holder in objects else None
         if keys is not None and keys.use_relative:
             add_shapes(found, holder, keys, which)
     if odd:
@@ -419,7 +423,7 @@ def controls(scene, meshes, armature, which):
 
 
 def add_properties(found, odd, owner, holder, path, which):
-    """Adds the custom properties of an object or of a bone."""
+    """Adds the custom properties of a thing or of a bone."""
     moved, driven = {path for path, _ in keyed(owner)}, drivers(owner)
     for name in holder.keys():
         own = f'{path}["{bpy.utils.escape_identifier(name)}"]'
@@ -958,10 +962,13 @@ class RangeOfMotion:
                 found[name] = above and above.name
         return found
 
+    def owners(self):
+        """Lists the things that have the moved properties."""
+        return [channel[0] for channels in self.movers.values() for channel in channels]
+
     def insert_keys(self):
         """Puts the poses into new actions, a frame each."""
-        owners = [c[0] for channels in self.movers.values() for c in channels]
-        for owner in dict.fromkeys([self.armature, *owners]):
+        for owner in dict.fromkeys([self.armature, *self.owners()]):
             data = owner.animation_data or owner.animation_data_create()
             slot = getattr(data, "action_slot", None)
             self.back.append(partial(put_action, owner, data.action, slot, data.use_nla))

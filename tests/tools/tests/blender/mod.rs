@@ -160,7 +160,7 @@ fn the_same_scene_as_fbx_moves_the_same_joints() {
 /// Exports the scene of a driven face; returns the script's output and the path of the examples.
 fn driven(test: &str, more: &[&str]) -> Option<(Output, PathBuf)> {
     let python = python()?;
-    let folder = made(&python, test, "driven");
+    let folder = made(&python, "driven", test);
     let path = folder.join("driven.npz");
     Some((of(&python, &folder.join("driven.blend"), &path, more), path))
 }

@@ -19,15 +19,15 @@ use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
 use std::path::{Path, PathBuf};
 
-/// Bakes a model and a clip into a GLB or USD that plays in any engine
+/// Bakes a model and a clip into a GLB or USD that any engine plays
 ///
 /// Helpers become ordinary joints under the skeleton's joints, the runtime's prediction for every frame becomes their
-/// keys, and the mesh is skinned to them. An output that ends in .usda is UsdSkel, as text. Each clip becomes an animation, at the clip's times and in the units of the
-/// examples (glTF takes metres). A helper scales along its own axes, which takes two nodes: proxy_N moves, turns and
-/// scales, and proxy_N_axes, the joint of the skin, turns the axes back. An engine must multiply the matrices of the
-/// nodes, as glTF requires; an engine that keeps only translation, rotation and scale of each joint in model space
-/// loses the shear. A joint that stretches has two such nodes under its own, NAME_stretch and NAME_axes. Values of curves
-/// are in the extras of the animations.
+/// keys, and the mesh is skinned to them. An output that ends in .usda is UsdSkel, as text. Each clip becomes an
+/// animation, at the clip's times and in the units of the examples (glTF takes metres). A helper scales along its own
+/// axes, which takes two nodes: proxy_N moves, turns and scales, and proxy_N_axes, the joint of the skin, turns the
+/// axes back. An engine must multiply the matrices of the nodes, as glTF requires; an engine that keeps only
+/// translation, rotation and scale of each joint in model space loses the shear. A joint that stretches has two such
+/// nodes under its own, NAME_stretch and NAME_axes. Values of curves are in the extras of the animations.
 ///
 /// Keys are at the clip's own times. A joint whose keys hold their values keeps its steps, and every other track has
 /// two neighbouring keys at a jump. Splines get more keys, and so do helpers that bend between the keys of a scene.

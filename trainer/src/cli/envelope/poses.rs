@@ -13,8 +13,8 @@ const FRAMES_MAX: usize = 10_000;
 /// Samples poses of a rig, to train on
 ///
 /// Up to a third of the poses moves each joint and each curve alone, up to a third moves joints with their parents and
-/// curves in pairs, and the rest moves all. Ranges are those of the rig's clips, in its training frames, and a tenth more on either
-/// side, unless that side ends near the rest pose.
+/// curves in pairs, and the rest moves all. Ranges are those of the rig's clips, in its training frames, and a tenth
+/// more on either side, unless that side ends near the rest pose.
 ///
 /// OUT.npz has the arrays of `sinew train` without meshes: bone_names, bone_parents, joint_world_rest, bone_transforms,
 /// curve_names and curves; and inverse_binds, the inverses of joint_world_rest. Pose your rig by them, export each
