@@ -19,7 +19,7 @@ use serde_json::json;
 use sinew_runtime::format::{Axis, Space};
 use std::path::{Path, PathBuf};
 
-/// Bakes a model and a clip into a GLB or USD that any engine plays
+/// Bakes a model and a clip into a GLB or USD for any engine
 ///
 /// Helpers become ordinary joints under the skeleton's joints, the runtime's prediction for every frame becomes their
 /// keys, and the mesh is skinned to them. An output that ends in .usda is UsdSkel, as text. Each clip becomes an
