@@ -655,13 +655,17 @@ def settle(scene):
 
 def keyed(owner):
     """Lists the properties that the action and the NLA of a data-block move, each as path and index."""
+    return {(curve.data_path, curve.array_index) for curve in curves_moving(owner)}
+
+
+def curves_moving(owner):
+    """Lists the animation curves of a data-block: of its action and its strips."""
     data = owner.animation_data
     if data is None:
-        return set()
+        return []
     tracks = [t for t in data.nla_tracks if not t.mute] if data.use_nla else []
     actions = {data.action}.union(*(actions_of(track.strips) for track in tracks)) - {None}
-    return {(curve.data_path, curve.array_index)
-            for action in actions for curve in curves_of(action)}
+    return [curve for action in actions for curve in curves_of(action)]
 
 
 def curves_of(action):
@@ -1059,20 +1063,6 @@ def keyed_ranges(scene):
         most += margin if most - rest > margin else 0
         found[owner, path, index] = least, most
     return found
-
-
-def curves_moving(owner):
-    """Lists the animation curves of a data-block: of its action and its strips."""
-    data = owner.animation_data
-    if data is None:
-        return []
-    strips = [s for t in data.nla_tracks if not t.mute for s in t.strips] if data.use_nla else []
-    actions = {data.action}
-    while strips:
-        strip = strips.pop()
-        actions.add(strip.action)
-        strips += getattr(strip, "strips", [])
-    return [curve for action in actions - {None} for curve in curves_of(action)]
 
 
 def accessors(owner, path, index):
