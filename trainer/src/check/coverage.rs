@@ -120,6 +120,7 @@ fn of(
     beyond.sort_by(|a, b| b.degrees.total_cmp(&a.degrees));
     let lbs_percent = 100.0 * context.rms_of(skin);
     let poses = &context.training.poses;
+    let gap = DISTINCT * context.turns.largest_bend(joint);
     Coverage {
         joint: context.joint(joint).to_owned(),
         vertices: skin.len(),
@@ -131,7 +132,7 @@ fn of(
         swing: most(&mut about.iter().map(|(_, swing)| *swing)),
         slide_percent: 100.0 * most(&mut training.iter().map(|turn| turn.slide.norm())),
         stretch: stretch((0..poses.len()).map(|pose| poses.strain(pose, joint))),
-        distinct: distinct(&training, DISTINCT * context.turns.largest_bend(joint)),
+        distinct: distinct(&training, |a, b| a.gap(b) > gap),
         beyond,
     }
 }
@@ -147,16 +148,10 @@ pub(super) fn curves(context: &Context<'_>) -> Vec<CurveCoverage> {
             let value = examples.curves_of(frame)[at];
             (least - value).max(value - most) > OUTSIDE_CURVE * (most - least)
         };
-        let mut kept: Vec<f64> = Vec::new();
-        for &value in &values {
-            if kept.iter().all(|other| (other - value).abs() > DISTINCT * (most - least)) {
-                kept.push(value);
-            }
-        }
         CurveCoverage {
             curve: name.clone(),
             range: [least, most],
-            distinct: kept.len(),
+            distinct: distinct(&values, |a, b| (a - b).abs() > DISTINCT * (most - least)),
             beyond: others().filter(beyond).count(),
             explained_percent: 100.0 * explained(context, &values),
         }
@@ -213,12 +208,12 @@ fn twist_and_swing(turn: &Turn, axis: &Vector3<f64>) -> (f64, f64) {
     (2.0 * along.atan2(w).to_degrees(), swing.to_degrees())
 }
 
-/// Counts poses that are further apart than `gap`, in the order of the frames.
-fn distinct(turns: &[&Turn], gap: f64) -> usize {
-    let mut kept: Vec<&Turn> = Vec::new();
-    for turn in turns {
-        if kept.iter().all(|other| other.gap(turn) > gap) {
-            kept.push(turn);
+/// Counts items that differ from each other, in the order of the frames.
+fn distinct<T: Copy>(items: &[T], differ: impl Fn(T, T) -> bool) -> usize {
+    let mut kept: Vec<T> = Vec::new();
+    for &item in items {
+        if kept.iter().all(|&other| differ(other, item)) {
+            kept.push(item);
         }
     }
     kept.len()

@@ -15,7 +15,11 @@ pub(super) fn forecast(
     blocks: &[Block],
     fit: &(impl Fn(&Training) -> Option<Fitted> + Sync),
 ) -> Option<f64> {
-    let errors = errors(training, vertices, blocks, fit)?;
+    pooled(&errors(training, vertices, blocks, fit)?, blocks)
+}
+
+/// Returns the RMS error over all blocks from the error of each; `None` if there are no blocks.
+pub(super) fn pooled(errors: &[f64], blocks: &[Block]) -> Option<f64> {
     let poses: usize = blocks.iter().map(|block| block.own.len()).sum();
     let of_block = |(rms, block): (&f64, &Block)| rms.powi(2) * block.own.len() as f64;
     let sum: f64 = errors.iter().zip(blocks).map(of_block).sum();

@@ -26,7 +26,7 @@ use crate::settings::FEW_VERTICES;
 use budget::Budget;
 use candidates::{Candidate, chosen, proxies_max, proxy_counts, usual_count};
 use faer::Mat;
-use forecast::{errors, forecast};
+use forecast::{errors, forecast, pooled};
 use report::{CandidateReport, Refused, TrainingReport};
 use sinew_runtime::envelope::{Certificate, Predictor};
 
@@ -286,19 +286,18 @@ impl PredictorSearch<'_> {
                 helper_len(other) == 0 && other.tangent_coefficients == best.tangent_coefficients
             };
             let plain = self.candidates.iter().find(is_plain).filter(|_| helper_len(best) > 0)?;
-            let (other_clip_rms, [same_clips, of_plain]) = (forecasts[1]?, self.forecasts(plain));
-            if of_plain? >= other_clip_rms {
+            let other_clip_rms = forecasts[1]?;
+            let vertices = spread(self.training.rest.len(), FEW_VERTICES);
+            let clips = self.training.folds().clips();
+            let fit = |part: &Training| Some(self.refit(part, 0, usize::MAX));
+            let errors = errors(self.training, &vertices, &clips, &fit)?;
+            if pooled(&errors, &clips)? >= other_clip_rms {
                 return None;
             }
-            let vertices = spread(self.training.rest.len(), FEW_VERTICES);
-            let fit = |part: &Training| Some(self.refit(part, 0, usize::MAX));
-            let errors = errors(self.training, &vertices, &self.training.folds().clips(), &fit)?;
+            let [same_clips, _] = self.forecasts(plain);
             let worst = errors.into_iter().reduce(f64::max);
-            Some((
-                plain,
-                [same_clips, worst],
-                Some(Refused { candidate: best.report, other_clip_rms }),
-            ))
+            let refused = Refused { candidate: best.report, other_clip_rms };
+            Some((plain, [same_clips, worst], Some(refused)))
         };
         refused().or(Some((best, forecasts, None)))
     }
