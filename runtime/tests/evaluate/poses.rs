@@ -13,7 +13,7 @@ use sinew_runtime::{
     model_space_pose, model_space_pose_under, scale_palette, take_scale,
 };
 
-/// Runs a test on the envelopes of the golden files and of samples, one of which stretches joints 1
+/// Runs a test on the envelopes of the golden files and of samples. One sample stretches joints 1
 /// and 2 and has curves.
 fn each(test: impl Fn(&Envelope<'_>)) {
     let samples = [SMALL, STRETCHING].map(|shape| Pieces::sample(Predictor::Kernel, shape).bytes());

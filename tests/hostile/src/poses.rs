@@ -25,8 +25,7 @@ pub const KINDS: usize = 7;
 /// - every joint somewhere in its range;
 /// - every joint somewhere in its range, far from the rest position;
 /// - every joint somewhere in its range, far away and through [`model_space_pose`];
-/// - every joint somewhere in its range; joints that stretch are scaled and sheared as far as they
-///   may be;
+/// - every joint somewhere in its range; joints that stretch have their largest scale and shear;
 /// - the same, with about half of the joints hidden or mirrored.
 ///
 /// A hostile range may exceed every rotation: angles stop at π.
