@@ -6,8 +6,8 @@ use models::shared;
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::envelope::s3::ProxyCount;
-use sinew_trainer::envelope::{Options, Predict, train};
-use sinew_trainer::evaluate::{Frames, evaluate};
+use sinew_trainer::envelope::{Options, Predict, Trained, train};
+use sinew_trainer::evaluate::{Errors, Frames, evaluate};
 use sinew_trainer::examples::{Examples, Skeleton, Split, npz};
 use sinew_trainer::progress::Silent;
 
@@ -15,11 +15,17 @@ fn set(file: &str) -> Option<Examples> {
     shared(file).map(|path| npz::load(&path).unwrap().examples)
 }
 
-/// Returns the bytes of a model, and its RMS error on held-out frames in % of the diagonal.
-fn held_out(examples: &Examples, options: &Options) -> (Vec<u8>, f64) {
+/// Returns the bytes of a model, and its errors on held-out frames.
+fn measured(examples: &Examples, options: &Options) -> (Vec<u8>, Errors) {
     let model = train(examples, options, &Silent).unwrap().model;
     let found = evaluate(&model, None, examples, Frames::Of(Split::HeldOut)).unwrap();
-    (model, found.errors.rms_percent)
+    (model, found.errors)
+}
+
+/// Returns the bytes of a model, and its RMS error on held-out frames in % of the diagonal.
+fn held_out(examples: &Examples, options: &Options) -> (Vec<u8>, f64) {
+    let (model, found) = measured(examples, options);
+    (model, found.rms_percent)
 }
 
 fn helpers(count: usize, influences: usize) -> Options {
@@ -59,7 +65,7 @@ fn rigs_of_an_artist_are_learned() {
 
 #[test]
 fn curves_and_their_products_with_joints_are_learned() {
-    let Some(mut examples) = set("curves/set.npz") else { return };
+    let Some(examples) = set("curves/set.npz") else { return };
     // Promised: 0.040; linear in the curves 0.122.
     let (model, with) = held_out(&examples, &Options::default());
     assert!(with <= 0.042, "{with}");
@@ -70,13 +76,36 @@ fn curves_and_their_products_with_joints_are_learned() {
     // belly goes both ways, the others from 0 to 1.
     let signs = [0, 1, 2].map(|curve| envelope.curve_range(curve).unwrap().map(|x| x < -0.5));
     assert_eq!(signs, [[false, false], [true, false], [false, false]]);
+}
+
+#[test]
+fn without_the_curves_that_move_it_a_skin_gets_lbs_and_an_honest_forecast() {
+    let Some(mut examples) = set("curves/set.npz") else { return };
     examples.keep_curves(&[]).unwrap();
-    let (_, without) = held_out(&examples, &Options::default());
-    assert!(without > 10.0 * with, "{without} without curves");
+    let Trained { model, report, .. } = train(&examples, &Options::default(), &Silent).unwrap();
+    let refused = report.refused.unwrap();
+    assert!(report.candidates[refused.candidate].proxies > 0 && report.chosen().proxies == 0);
+    let found = evaluate(&model, None, &examples, Frames::Of(Split::HeldOut)).unwrap();
+    let forecast = report.other_clip_rms.unwrap() / found.errors.rms;
+    // Promised: 0.7 to 1.5.
+    assert!((0.7..1.5).contains(&forecast), "{forecast}");
 }
 
 #[test]
 fn a_face_follows_curves_alone() {
+    let Some(examples) = set("face-curves/set.npz") else { return };
+    let small = Options { budget: Some(685_000), ..helpers(40, 8) };
+    // Promised: the same, but 0.051 mm for 40 helpers. `small` leaves 94 kB for the maps.
+    for (options, mean, max) in
+        [(Options::default(), 0.046, 1.2), (helpers(40, 8), 0.054, 1.5), (small, 0.058, 1.4)]
+    {
+        let found = measured(&examples, &options).1.millimetres.unwrap();
+        assert!(found.mean_mm <= mean && found.max_mm <= max, "{found:?}");
+    }
+}
+
+#[test]
+fn a_face_needs_no_joint() {
     let Some(examples) = set("face-curves/set.npz") else { return };
     let joint = held_out(&examples, &helpers(40, 8));
     let mut jointless = examples.clone();

@@ -80,6 +80,18 @@ impl<'a> Search<'a> {
             let (_, g, to) = steps.min_by(|a, b| a.0.total_cmp(&b.0))?;
             taken[g] = to;
         }
+        // A step down may save more bytes than needed. The steps up with the largest gain use what is left.
+        loop {
+            let left = bytes - sum(&taken);
+            let steps = self.groups.iter().enumerate().flat_map(|(g, group)| {
+                let from = &group.sizes[taken[g]];
+                let above = taken[g] + 1..=group.preferred;
+                let fits = above.filter(move |&to| group.sizes[to].bytes - from.bytes <= left);
+                fits.map(move |to| (from.score - group.sizes[to].score, g, to))
+            });
+            let Some((_, g, to)) = steps.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            taken[g] = to;
+        }
         Some(taken)
     }
 
@@ -160,6 +172,11 @@ mod tests {
         let (best, all) = of(usize::MAX);
         let (smaller, some) = of(all / 3);
         assert!(some <= all / 3 && best < smaller, "{best} {all} {smaller} {some}");
+        let taken = search.within(all / 3).unwrap();
+        for (group, &taken) in search.groups.iter().zip(&taken).filter(|(g, t)| **t < g.preferred) {
+            let step = group.sizes[taken + 1].bytes - group.sizes[taken].bytes;
+            assert!(some + step > all / 3, "{some} bytes leave room for {step}");
+        }
         let frames = examples.frames_of(Split::HeldOut);
         let (poses, trajectories) = training.view(&examples, &frames);
         let lbs = &training.lbs.weights;
