@@ -26,8 +26,12 @@ use std::time::Instant;
 const RUNS: usize = 201;
 
 /// Sets whose kernel maps and skins are timed, and their proxies.
-const SETS: [(&str, &str, usize); 2] =
-    [("mpfb-arm", "mpfb-arm/mpfb_arm.npz", 40), ("mpfb-body", "mpfb-body/mpfb_body.npz", 60)];
+const SETS: [(&str, &str, usize); 4] = [
+    ("mpfb-arm", "mpfb-arm/mpfb_arm.npz", 40),
+    ("mpfb-body", "mpfb-body/mpfb_body.npz", 60),
+    ("stretchy", "stretchy/set.npz", 40),
+    ("face-curves", "face-curves/set.npz", 40),
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let examples =
@@ -101,11 +105,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             let envelope = model.envelope().ok_or("no envelope")?;
             let frame = *examples.frames_of(Split::HeldOut).first().ok_or("nothing held out")?;
             let pose = posed(&examples, frame);
-            let seconds = palette_seconds(&envelope, &pose, &[])?;
-            println!("kernel, {name}, P {proxies:<9}{:>8.2} µs a character", 1e6 * seconds);
-            let seconds = joints_seconds(&envelope, &pose)?;
+            let curves: Vec<f32> = examples.curves_of(frame).iter().map(|x| *x as f32).collect();
+            let seconds = palette_seconds(&envelope, &pose, &curves)?;
+            let row = format!("kernel, {name}, P {proxies}");
+            println!("{row:<27}{:>8.2} µs a character", 1e6 * seconds);
+            let seconds = joints_seconds(&envelope, &pose, &curves)?;
             println!("level joints               {:>8.2} µs a character", 1e6 * seconds);
-            let seconds = check_seconds(&envelope, &pose)?;
+            let seconds = check_seconds(&envelope, &pose, &curves)?;
             let joints = envelope.joint_len();
             println!("check_pose, {joints:<15}{:>8.2} µs a pose", 1e6 * seconds);
             skins(&model)?;
@@ -275,22 +281,30 @@ fn palette_seconds(
 }
 
 /// Returns the seconds from pose to palette without the correction.
-fn joints_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
+fn joints_seconds(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    curves: &[f32],
+) -> Result<f64, Box<dyn Error>> {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let seconds = seconds_of(|| {
         let pose = black_box(pose);
-        envelope.palette_at(Level::Joints, pose, &[], &mut scratch, &mut palette).map(|_| ())
+        envelope.palette_at(Level::Joints, pose, curves, &mut scratch, &mut palette).map(|_| ())
     })?;
     black_box(&palette);
     Ok(seconds)
 }
 
 /// Returns the seconds to check an acceptable pose.
-fn check_seconds(envelope: &Envelope<'_>, pose: &[Matrix3x4]) -> Result<f64, Box<dyn Error>> {
-    envelope.check_pose(pose, &[])?;
+fn check_seconds(
+    envelope: &Envelope<'_>,
+    pose: &[Matrix3x4],
+    curves: &[f32],
+) -> Result<f64, Box<dyn Error>> {
+    envelope.check_pose(pose, curves)?;
     Ok(seconds_of(|| {
-        assert!(envelope.check_pose(black_box(pose), &[]).is_ok(), "the same pose as before");
+        assert!(envelope.check_pose(black_box(pose), curves).is_ok(), "the same pose as before");
         Ok(())
     })?)
 }

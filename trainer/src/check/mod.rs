@@ -104,8 +104,8 @@ pub fn judge<'a>(
     let mut left_out: Vec<usize> = given.left_out().iter().map(|of| of.frame).collect();
     left_out.sort_unstable();
     // Late meshes would cause other findings too, so the rest of the check uses the meshes in step.
-    // A single joint does not show the motion of a mesh that curves drive.
-    let is_face = examples.joint_len() == 1 && !examples.curve_names.is_empty();
+    // Joints that are still do not show the motion of a mesh that curves drive.
+    let is_face = given.training.poses.joints_are_still() && !examples.curve_names.is_empty();
     let in_step = match is_face {
         true => None,
         false => step::steps(examples, clips, &left_out, &mut findings),

@@ -191,10 +191,19 @@ impl Poses {
     /// Returns whether all poses are equal up to invisible motions. A skeleton of one joint is compared by the motion
     /// of that joint itself.
     pub fn are_equal(&self) -> bool {
-        let maps = if self.joint_len == 1 { &self.roots } else { &self.maps };
-        let mut all = maps.chunks(self.joint_len).flat_map(|pose| pose.iter().zip(maps));
+        let mut roots = self.roots.iter().map(|root| (root - self.roots[0]).amax());
+        let mut curves =
+            (0..self.len()).flat_map(|pose| self.curves(pose).iter().zip(self.curves(0)));
+        self.joints_are_still()
+            && (self.joint_len > 1 || roots.all(|difference| difference <= EQUAL))
+            && curves.all(|(a, b)| (a - b).abs() <= EQUAL)
+    }
+
+    /// Returns whether no joint moves relative to the root, up to invisible motions.
+    pub fn joints_are_still(&self) -> bool {
+        let joints = self.maps.chunks(self.joint_len);
+        let mut all = joints.flat_map(|pose| pose.iter().zip(&self.maps));
         all.all(|(a, b)| (a - b).amax() <= EQUAL)
-            && self.curve_ranges.iter().all(|[least, most]| most - least <= EQUAL)
     }
 
     /// Returns whether two joints have equal rotations in all poses, up to invisible motions.
@@ -391,6 +400,25 @@ mod tests {
         for (a, b) in shifted.gaps(&parents, &origins).iter().zip(&found) {
             assert!((4.0 * a - b).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn poses_are_equal_if_neither_joints_nor_curves_differ() {
+        let options = DemoOptions { vertices: 200, poses: 6, held_out: 0, seed: 3 };
+        let mut examples = demo(&options);
+        let rest = to_rows(&Matrix3x4::identity());
+        let joints = examples.joint_len();
+        examples.transforms[joints..].fill(rest);
+        examples.curve_names = vec!["open".to_owned()];
+        examples.curves = vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.5];
+        let poses = Poses::new(&examples, &Vec::from_iter(0..6));
+        let judged = |frames: &[usize]| {
+            let some = poses.only(frames);
+            [some.joints_are_still(), some.are_equal()]
+        };
+        assert_eq!(judged(&[1, 2, 3]), [true, true]);
+        assert_eq!(judged(&[1, 2, 5]), [true, false]);
+        assert_eq!(judged(&[0, 1, 2]), [false, false]);
     }
 
     #[test]
