@@ -99,7 +99,9 @@ fn a_face_follows_curves_alone() {
     for (options, mean, max) in
         [(Options::default(), 0.046, 1.2), (helpers(40, 8), 0.054, 1.5), (small, 0.058, 1.4)]
     {
-        let found = measured(&examples, &options).1.millimetres.unwrap();
+        let (model, found) = measured(&examples, &options);
+        assert!(model.len() <= options.budget.unwrap_or(usize::MAX), "{}", model.len());
+        let found = found.millimetres.unwrap();
         assert!(found.mean_mm <= mean && found.max_mm <= max, "{found:?}");
     }
 }

@@ -5,6 +5,7 @@ use super::curves::SampledCurves;
 use super::joined::Loaded;
 use super::scene::{rest_frame, rows, unscale};
 use crate::Error;
+use crate::examples::distortion::STRETCHES;
 use crate::examples::joints::idle;
 use crate::examples::validate::Origin;
 use crate::examples::{Examples, Matrix3x4, Skeleton, Split, Warning, spread};
@@ -175,7 +176,8 @@ fn from_rest(
 }
 
 /// Computes the maps from rest pose to pose of an animation's joints from the character's rest pose, frame-major, in
-/// the character's space. `None` if a joint leaves its rest position in the parent's frame, or if axes are unknown.
+/// the character's space. `None` if a joint leaves its rest position in the parent's frame or stretches, or if axes are
+/// unknown: only the pose at rest would tell which stretch is none.
 ///
 /// - `places`: the animation's joint of each character joint.
 fn of_character_rest(
@@ -192,20 +194,24 @@ fn of_character_rest(
     if conversion.is_mirrored() {
         return None;
     }
-    let frame = |world: &Matrix4<f64>| -> Option<Frame> {
-        let (turn, _) = so3::polar(&world.fixed_view::<3, 3>(0, 0).into_owned())?;
+    let joint_len = motion.joints.nodes.len();
+    let polar = |world: &Matrix4<f64>| so3::polar(&world.fixed_view::<3, 3>(0, 0).into_owned());
+    let first: Vec<_> = motion.frames.iter().take(joint_len).map(polar).collect::<Option<_>>()?;
+    let frame = |(index, world): (usize, &Matrix4<f64>)| -> Option<Frame> {
+        let (turn, stretch) = polar(world)?;
+        let still = &first[index % joint_len].1;
+        let is_still = (stretch - still).amax() <= STRETCHES * still.amax();
         let origin = world.fixed_view::<3, 1>(0, 3).into_owned();
-        Some((conversion.axes * turn, conversion.point(origin.into()).into()))
+        is_still.then(|| (conversion.axes * turn, conversion.point(origin.into()).into()))
     };
-    let posed: Vec<Frame> = motion.frames.iter().map(frame).collect::<Option<_>>()?;
+    let posed: Vec<Frame> = motion.frames.iter().enumerate().map(frame).collect::<Option<_>>()?;
     let rest: Vec<Frame> = character.skeleton.rest.iter().map(parts).collect();
     let turn = TURNS.map(|turn| Matrix3::from_row_slice(&turn)).into_iter().find(|turn| {
-        let drift =
-            drift(turn, &posed, motion.joints.nodes.len(), &rest, &pairs(character, places));
+        let drift = drift(turn, &posed, joint_len, &rest, &pairs(character, places));
         drift.is_some_and(|drift| drift < MAX_DRIFT * character.diagonal())
     })?;
     let mut transforms = Vec::with_capacity(posed.len());
-    for frame in posed.chunks_exact(motion.joints.nodes.len()) {
+    for frame in posed.chunks_exact(joint_len) {
         transforms.extend(frame.iter().enumerate().map(|(own, (axes, origin))| {
             let joint = places.iter().position(|place| *place == Some(own));
             let (rest_axes, rest_origin) = &rest[joint.unwrap_or(character.skeleton.root())];

@@ -127,6 +127,33 @@ fn binds_define_the_rest_pose_and_nodes_do_not() {
 }
 
 #[test]
+fn without_its_rest_pose_a_clip_plays_unless_a_joint_stretches() {
+    let Some(folder) = with_cases("unbound", &["gltf/plain.glb"]) else { return };
+    run(&folder, "-q train --predictor kernel plain.glb -o m.sinew");
+    let mut bare = Glb::read(&folder, "plain.glb");
+    bare.json["nodes"][1]["rotation"] = json!([0.6, 0.0, 0.0, 0.8]);
+    bare.json["nodes"][3] = json!({ "name": "tube" });
+    bare.json.as_object_mut().unwrap().remove("skins");
+    bare.write(&folder, "bare.glb");
+    let export = "export m.sinew --clip bare.glb --mesh plain.glb -o out.glb";
+    run(&folder, &format!("-q {export}"));
+    let (source, played) = (Glb::read(&folder, "plain.glb"), Glb::read(&folder, "out.glb"));
+    assert!(off((&source, "tube", 0), (&played, "tube", 0)) <= 1e-3);
+    // Without a pose at rest nobody knows which stretch is none.
+    let times = bare.floats("SCALAR", 1, &[0.0, 0.5]);
+    let factors = bare.floats("VEC3", 3, &[1.0, 1.0, 1.0, 1.0, 1.5, 1.0]);
+    let clip = &mut bare.json["animations"][0];
+    let samplers = clip["samplers"].as_array_mut().unwrap();
+    samplers.push(json!({ "input": times, "output": factors }));
+    let target = json!({ "node": 2, "path": "scale" });
+    let channel = json!({ "sampler": samplers.len() - 1, "target": target });
+    clip["channels"].as_array_mut().unwrap().push(channel);
+    bare.write(&folder, "bare.glb");
+    let line = refused(&folder, export);
+    assert!(line.contains("its joints at rest are not the character's: off by "), "{line}");
+}
+
+#[test]
 fn a_prefix_is_named_with_the_option_that_takes_it_away() {
     let cases = ["gltf/plain.glb", "gltf/clipprefixed.glb"];
     let Some(folder) = with_cases("prefixed", &cases) else { return };
