@@ -17,7 +17,7 @@
 //!    No compiler reports a missing case there: a number without a case is a Matérn 5/2. `gpu/tests/common/kernels.rs`
 //!    compares each number that a file may name.
 //! 4. The tables in `runtime/FORMAT.md` and `trainer/METHOD.md`, and the closed forms that tests compare with, in
-//!    `runtime/tests/evaluate/correction.rs` and beside `GroupKernel`.
+//!    `runtime/tests/evaluate/correction/reference.rs` and beside `GroupKernel`.
 
 pub mod bake;
 pub mod bound;
