@@ -223,7 +223,12 @@ pub(crate) fn write_arrays<T: AutoSerialize + Copy>(npz: &Path, arrays: &[(&str,
 
 /// Reads an array of the demo: shape and numbers.
 fn demo_array<T: Deserialize>(name: &str) -> (Vec<u64>, Vec<T>) {
-    let mut zip = ZipArchive::new(Cursor::new(&demo()[0].1)).unwrap();
+    read_array(&demo()[0].1, name)
+}
+
+/// Reads an array of an archive: shape and numbers.
+pub(crate) fn read_array<T: Deserialize>(npz: &[u8], name: &str) -> (Vec<u64>, Vec<T>) {
+    let mut zip = ZipArchive::new(Cursor::new(npz)).unwrap();
     let array = NpyFile::new(zip.by_name(&format!("{name}.npy")).unwrap()).unwrap();
     (array.shape().to_vec(), array.into_vec().unwrap())
 }

@@ -280,6 +280,61 @@ fn neighbours_meet_alone_and_in_every_part_of_their_ranges() {
 }
 
 #[test]
+fn the_root_stretches_but_turns_and_slides_in_no_pose() {
+    let mut moved = rig();
+    for (frame, maps) in moved.transforms.chunks_exact_mut(4).enumerate() {
+        // The whole character walks, and the root widens by up to a fifth. The other joints stand where the root's
+        // stretch moves nothing.
+        let far = frame as f64;
+        let turn = Rotation3::from_euler_angles(0.3 * far.sin(), 0.1 * far, 0.0).into_inner();
+        let widened = Matrix3::from_diagonal(&Vector3::new(1.0 + 0.2 * (far / 149.0), 1.0, 1.0));
+        let walked = |linear: Matrix3<f64>, shift: Vector3<f64>| {
+            rows(&(turn * linear), &(turn * shift + Vector3::new(0.0, 0.0, 0.1 * far)))
+        };
+        maps[0] = walked(widened, Vector3::zeros());
+        for map in &mut maps[1..] {
+            let linear = Matrix3::from_fn(|row, column| map[row][column]);
+            *map = walked(linear, map.map(|row| row[3]).into());
+        }
+    }
+    let poses = sampled(&moved, 0);
+    assert_eq!(poses.joints, 4);
+    let mut widest: f64 = 0.0;
+    for maps in poses.transforms.chunks_exact(4) {
+        let [[wide, ..], ..] = maps[0];
+        let expected =
+            rows(&Matrix3::from_diagonal(&Vector3::new(wide, 1.0, 1.0)), &Vector3::zeros());
+        let both = maps[0].as_flattened().iter().zip(expected.as_flattened());
+        assert!(both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-9, "{:?}", maps[0]);
+        widest = widest.max(wide);
+    }
+    assert!((widest - 1.22).abs() < 1e-9, "{widest}");
+}
+
+#[test]
+fn a_joint_slides_along_its_rest_axes_as_far_as_in_training_frames() {
+    let mut slides = limb(&[REST; 3]);
+    let shift = |far: f64| axes(2) * Vector3::new(far, 0.0, 0.0);
+    for (frame, far) in [(1, 0.5), (2, 2.0)] {
+        // The tip follows.
+        slides.transforms[4 * frame + 2..][..2].fill(rows(&Matrix3::identity(), &shift(far)));
+    }
+    slides.split[2] = Split::HeldOut;
+    let poses = sampled(&slides, 0);
+    assert_eq!(poses.joints, 1);
+    let mut farthest: f64 = 0.0;
+    for maps in poses.transforms.chunks_exact(4) {
+        let far = shift(1.0).dot(&Vector3::from(maps[2].map(|row| row[3])));
+        let expected = [0.0, 0.0, far, far].map(|far| rows(&Matrix3::identity(), &shift(far)));
+        let both = maps.as_flattened().as_flattened().iter();
+        let both = both.zip(expected.as_flattened().as_flattened());
+        assert!(both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-9, "{maps:?}");
+        farthest = farthest.max(far);
+    }
+    assert!((farthest - 0.55).abs() < 1e-9, "{farthest}");
+}
+
+#[test]
 fn equal_seeds_give_equal_poses() {
     let rig = rig();
     assert_eq!(sampled(&rig, 3), sampled(&rig, 3));
@@ -325,6 +380,11 @@ fn degrees_replace_clips() {
     let request = PoseRequest { degrees: Some(30.0), ..PoseRequest::default() };
     let poses = sample_poses(&still, &request).unwrap();
     assert_eq!(poses.joints, 3);
+    assert_eq!(
+        sample_poses(&rig(), &request).unwrap(),
+        poses,
+        "the clips of a rig count for nothing"
+    );
     let all: Vec<Pose> = (0..150).map(|index| Pose::read(&poses, index)).collect();
     for joint in 1..4 {
         for axis in 0..3 {
