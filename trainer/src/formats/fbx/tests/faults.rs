@@ -109,6 +109,34 @@ fn joints_that_hide_or_mirror_are_named_with_their_frame() {
     }
 }
 
+/// Rigs often mirror the joints of one side.
+#[test]
+fn a_joint_that_is_mirrored_in_the_bind_pose_too_moves_like_another() {
+    let mut arm = Arm::bare();
+    arm.scene.keys(arm.layer, arm.tip, "Lcl Scaling", "d|X", &[(1, -1.0), (2, -1.0)]);
+    let skin = arm.scene.skin(arm.mesh, "Linear");
+    let weights = [(0, 1.0), (1, 1.0), (2, 0.5), (4, 1.0)];
+    let here = translation(0.0, 0.0, 0.0);
+    arm.scene.cluster(skin, arm.root, &weights, here, here);
+    // x becomes 1 - x, both there and back.
+    let mirror = [-1., 0., 0., 0., 0., 1., 0., 0., 0., 0., 1., 0., 1., 0., 0., 1.];
+    arm.scene.cluster(skin, arm.tip, &[(2, 0.5), (3, 1.0)], mirror, mirror);
+    let folder = Folder::new("fbx-mirrored-bind");
+    let [found, expected] = [arm, Arm::skinned("Linear")].map(|arm| {
+        load(&Source::file(&folder.write("arm.fbx", arm.scene.text()))).unwrap().examples
+    });
+    near(&found.rest, &expected.rest);
+    near(&found.vertices, &expected.vertices);
+    let same = |a: &[[[f64; 4]; 3]], b: &[[[f64; 4]; 3]]| {
+        let pairs = a.as_flattened().as_flattened().iter().zip(b.as_flattened().as_flattened());
+        a.len() == b.len() && pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-9
+    };
+    assert!(same(&found.transforms, &expected.transforms), "{:?}", found.transforms);
+    // The rest frame is a rotation: all three axes change sides.
+    let rest = [[1.0, 0.0, 0.0, 1.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0]];
+    assert!(same(&found.skeleton.rest[1..], &[rest]), "{:?}", found.skeleton.rest);
+}
+
 #[test]
 fn joints_under_a_constraint_without_keys_are_refused() {
     let constrained = |keyed: bool| {
@@ -177,6 +205,19 @@ fn channels_are_shapes_and_of_several_in_one_the_last() {
     let (meshes, channels) = (vec!["hat".to_owned()], vec!["smile".to_owned()]);
     let expected = [FormatWarning::UnshapedMeshes(meshes), FormatWarning::ShapesBetween(channels)];
     assert_eq!(found.warnings, expected);
+}
+
+#[test]
+fn shapes_of_a_mirrored_mesh_and_its_faces_are_mirrored() {
+    let mut scene = Scene::default();
+    let node = scene.node("head", "Mesh", 0, &[("Lcl Scaling", [-1.0, 1.0, 1.0])]);
+    let mesh = scene.mesh(node, &ARM, &FACES, TEXTURE);
+    scene.channel(mesh, "blink", &[(100.0, 1, [1.0, 0.0, 0.5])]);
+    let found = parse_shapes(scene.text().as_bytes()).unwrap();
+    near(&found.positions, &ARM.map(|[x, y, z]| [-x, y, z]));
+    near(&found.shapes[0].deltas[..2], &[[0.0; 3], [-1.0, 0.0, 0.5]]);
+    assert_eq!(found.faces, [vec![4, 3, 1, 0], vec![3, 2, 1]]);
+    assert_eq!(found.uv_faces, [vec![0, 2, 1, 0], vec![2, 2, 1]]);
 }
 
 #[test]
