@@ -310,13 +310,15 @@ fn add_corners(all: &mut Corners, mesh: &Mesh, first: usize, rest: &Matrix) {
     let vertices = corners.iter().map(|&corner| first + mesh.vertex_indices[corner] as usize);
     all.vertices.extend(vertices);
     let turn = ufbx::matrix_for_normals(rest);
+    // A mirrored cross product changes the handedness.
+    let side = if ufbx::matrix_determinant(rest) < 0.0 { -1.0 } else { 1.0 };
     let normal = |corner| {
         at(&mesh.vertex_normal, corner).map(|n| array(ufbx::transform_direction(&turn, n)))
     };
     let tangent = |corner| {
         let tangent = at(&mesh.vertex_tangent, corner)?;
         let [x, y, z] = array(ufbx::transform_direction(rest, tangent));
-        Some([x, y, z, handedness(mesh, corner, tangent)])
+        Some([x, y, z, side * handedness(mesh, corner, tangent)])
     };
     let uv = |corner: usize| {
         let uv = &mesh.vertex_uv;

@@ -167,7 +167,8 @@ impl Skins {
     }
 }
 
-/// Transforms the vertices and morph targets of a mesh; a mirroring also reverses the triangles' winding.
+/// Transforms the vertices and morph targets of a mesh; a mirroring also reverses the triangles' winding and the
+/// tangents' handedness.
 pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f64>) {
     if *shift == Matrix4::identity() {
         return;
@@ -188,6 +189,10 @@ pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f6
     if linear.determinant() < 0.0 {
         for [a, b, _] in meshes.triangles.iter_mut().filter(|[a, ..]| vertices.contains(a)) {
             std::mem::swap(a, b);
+        }
+        // A mirrored cross product changes the handedness.
+        for [.., handedness] in &mut meshes.tangents[vertices.clone()] {
+            *handedness = -*handedness;
         }
     }
     for displacement in meshes.instances[instance].morphs.iter_mut().flatten() {

@@ -57,3 +57,37 @@ fn normals_by_corner_go_where_the_mesh_is_bound() {
     let up = [0.0, 0.0, 1.0];
     near(&engine.normals.unwrap(), &[up, up, leaning, leaning, up, up]);
 }
+
+/// Writes a layer of directions by corner, the direction `of` each corner.
+fn layer(kind: &str, array: &str, of: &str) -> String {
+    let numbers = [of; 7].join(",");
+    format!(
+        "LayerElement{kind}: 0 {{\nMappingInformationType: \"ByPolygonVertex\"\n\
+         ReferenceInformationType: \"Direct\"\n{array}: *21 {{\na: {numbers}\n}}\n}}\n"
+    )
+}
+
+#[test]
+fn tangents_keep_the_sides_of_the_texture_under_a_mirror() {
+    // u grows along x, v along y.
+    let layers = layer("Normal", "Normals", "0,0,1")
+        + &layer("Tangent", "Tangents", "1,0,0")
+        + &layer("Binormal", "Binormals", "0,1,0")
+        + "LayerElementUV: 0 {\nMappingInformationType: \"ByVertice\"\nReferenceInformationType: \"Direct\"\n\
+           UV: *10 {\na: 0,0,1,0,2,0,2,1,0,1\n}\n}\n";
+    let kinds = ["Normal", "Tangent", "Binormal", "UV"]
+        .map(|kind| format!("LayerElement: {{\nType: \"LayerElement{kind}\"\nTypedIndex: 0\n}}\n"));
+    let layers = format!("{layers}Layer: 0 {{\nVersion: 100\n{}}}\n", kinds.concat());
+    for x in [1.0, -1.0] {
+        let mut scene = Scene::default();
+        let tip = scene.node("tip", "LimbNode", 0, &[]);
+        let node = scene.node("body", "Mesh", 0, &[("Lcl Scaling", [x, 1.0, 1.0])]);
+        scene.mesh(node, &ARM, &FACES, &layers);
+        let animation = scene.animation("bend");
+        scene.keys(animation, tip, "Lcl Rotation", "d|Z", &[(1, 0.0), (2, 90.0)]);
+        let engine = parse(scene.text().as_bytes(), &KEYS).unwrap().engine.unwrap();
+        assert_eq!(engine.normals.unwrap(), [[0.0, 0.0, 1.0]; 5]);
+        // v still grows along y, which is the handedness times normal x tangent.
+        assert_eq!(engine.tangents.unwrap(), [[x, 0.0, 0.0, x]; 5]);
+    }
+}

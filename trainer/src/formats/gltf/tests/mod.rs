@@ -306,6 +306,26 @@ fn authored_directions_are_read_and_repaired() {
 }
 
 #[test]
+fn a_mirrored_mesh_keeps_its_outside_and_the_sides_of_its_texture() {
+    for x in [1.0, -1.0] {
+        let mut made = Made::scene();
+        let normals = made.floats(&[[0.0_f32, 0.0, 1.0]; 3]);
+        let tangents = made.floats(&[[1.0_f32, 0.0, 0.0, 1.0]; 3]);
+        let attributes = &mut made.json["meshes"][0]["primitives"][0]["attributes"];
+        attributes["NORMAL"] = json!(normals);
+        attributes["TANGENT"] = json!(tangents);
+        made.json["nodes"][0] = json!({ "name": "body", "mesh": 0, "scale": [x, 1.0, 1.0] });
+        let mesh = read_mesh(&made.write(&format!("mirrored{x}"))).unwrap().mesh;
+        assert_eq!(mesh.positions, [[x, 0.0, 0.0], [3.0 * x, 0.0, 0.0], [2.0 * x, 1.0, 0.0]]);
+        assert_eq!(mesh.triangles, [if x > 0.0 { [0, 1, 2] } else { [1, 0, 2] }]);
+        let engine = mesh.engine.unwrap();
+        assert_eq!(engine.normals.unwrap(), [[0.0, 0.0, 1.0]; 3]);
+        // The texture's v still grows along y, which is the handedness times normal x tangent.
+        assert_eq!(engine.tangents.unwrap(), [[x, 0.0, 0.0, x]; 3]);
+    }
+}
+
+#[test]
 fn clips_that_move_nothing_are_left_out() {
     let mut made = Made::scene();
     let (times, ends) = (made.floats(&[[0.0], [1.0]]), made.floats(&[[0.0_f32; 3]; 2]));
