@@ -260,10 +260,10 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
             Some(_) => Matrix4::identity(),
             None => worlds[instance.node],
         };
-        let first = out.positions.len();
+        let (first, mirrored) = (out.positions.len(), world.determinant() < 0.0);
         let turned = |v: [f64; 3]| -> [f64; 3] { world.transform_vector(&v.into()).into() };
         for vertex in own {
-            place_of[vertex] = Some(out.positions.len());
+            place_of[vertex] = Some((out.positions.len(), mirrored));
             let place = world.transform_point(&meshes.positions[vertex].into());
             out.positions.push(place.coords.into());
             out.uv.push(meshes.uv[vertex]);
@@ -282,7 +282,8 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
     out.shapes.iter_mut().for_each(|shape| shape.deltas.resize(out.positions.len(), [0.0; 3]));
     let faces = meshes.triangles.iter().filter_map(|corners| {
         let [a, b, c] = corners.map(|corner| place_of[corner]);
-        Some(vec![a?, b?, c?])
+        let ((a, mirrored), (b, _), (c, _)) = (a?, b?, c?);
+        Some(if mirrored { vec![b, a, c] } else { vec![a, b, c] })
     });
     out.faces = faces.collect();
     match has_uv {

@@ -361,6 +361,16 @@ fn shaped(made: &Made, test: &str) -> ShapedMesh {
 }
 
 #[test]
+fn targets_of_a_mirrored_mesh_and_its_faces_are_mirrored() {
+    let mut made = Made::scene();
+    made.json["nodes"][0] = json!({ "name": "body", "mesh": 0, "scale": [-1.0, 1.0, 2.0] });
+    let found = shaped(&made, "mirrored-targets");
+    assert_eq!(found.positions, [[-1.0, 0.0, 0.0], [-3.0, 0.0, 0.0], [-2.0, 1.0, 0.0]]);
+    assert_eq!(found.faces, [[1, 0, 2]]);
+    assert_eq!(found.shapes[0].deltas, [[0.0; 3], [0.0, 0.0, 2.0], [0.0; 3]]);
+}
+
+#[test]
 fn targets_have_the_names_beside_them() {
     let mut made = Made::scene();
     let bare = shaped(&made, "shaped-bare");
