@@ -6,7 +6,7 @@ use super::scene::Scene;
 use super::validator::valid;
 use super::{arm, clip, export, farthest, model, only, pose, runtime_skin, set};
 use models::shared;
-use serde_json::json;
+use serde_json::{Value, json};
 use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_trainer::examples::{Examples, Loaded, Skeleton, Source, load};
@@ -42,6 +42,22 @@ fn a_rig_whose_joints_stretch_plays_by_every_predictor() {
             assert!(!(5e-5..=4e-4).contains(&most), "{name}: the set has no joint between, {most}");
             assert_eq!(has_chain, most > 4e-4, "{name}");
         }
+    }
+}
+
+#[test]
+fn joints_that_stretch_in_other_frames_alone_have_no_nodes_for_it() {
+    let mut examples = arm(300);
+    let bytes = model(&examples, Predictor::Kernel, 4, 4);
+    // Joint 1 widens by a fifth in frame 5.
+    let at = 5 * examples.joint_len() + 1;
+    examples.transforms[at].iter_mut().for_each(|row| row[0] *= 1.2);
+    let axes = format!("{}_axes", examples.skeleton.names[1]);
+    for (first, stretches) in [(0, false), (4, true)] {
+        let clips = [clip("few", first, 3)];
+        let exported = export(&bytes, None, &examples, &clips, &[], Placement::AsModel);
+        let scene = Scene::read(&exported.unwrap().glb);
+        assert_eq!(scene.find(&axes).is_some(), stretches, "from frame {first}");
     }
 }
 
@@ -142,6 +158,16 @@ fn a_joint_that_no_node_of_the_file_can_hold_is_refused() {
     );
 }
 
+/// Reads the curves in the extras of an animation: their names, the key times, and the values key by key.
+fn curves(scene: &Scene, animation: usize) -> (Vec<String>, Vec<f32>, Vec<Vec<f32>>) {
+    let extras = scene.gltf.animations().nth(animation).unwrap().extras().clone().unwrap();
+    let mut curves: Value = serde_json::from_str(extras.get()).unwrap();
+    let mut take = |member: &str| curves["curves"][member].take();
+    let names = serde_json::from_value(take("names")).unwrap();
+    let times = serde_json::from_value(take("times")).unwrap();
+    (names, times, serde_json::from_value(take("values")).unwrap())
+}
+
 #[test]
 fn curves_are_written_at_the_keys() {
     let Some(examples) = some("curves/set.npz", 0..40) else { return };
@@ -150,18 +176,12 @@ fn curves_are_written_at_the_keys() {
     let played = Played::new(&examples, bytes, &clips);
     assert!(played.off_at_keys() < NEAR);
     for (number, clip) in clips.iter().enumerate() {
-        let json = played.scene.gltf.animations().nth(number).unwrap().extras().clone().unwrap();
-        let curves: serde_json::Value = serde_json::from_str(json.get()).unwrap();
-        let curves = &curves["curves"];
-        assert_eq!(curves["names"], json!(examples.curve_names));
-        let floats = |list: &serde_json::Value| -> Vec<f32> {
-            list.as_array().unwrap().iter().map(|x| x.as_f64().unwrap() as f32).collect()
-        };
-        assert_eq!(floats(&curves["times"]), played.scene.times(number));
-        for key in 0..clip.times.len() {
-            let expected = pose(&examples, clip.first + key).curves;
-            assert_eq!(floats(&curves["values"][key]), expected);
-        }
+        let (names, times, values) = curves(&played.scene, number);
+        assert_eq!(names, examples.curve_names);
+        assert_eq!(times, played.scene.times(number));
+        let frames = clip.first..clip.first + clip.times.len();
+        let expected = frames.map(|frame| pose(&examples, frame).curves);
+        assert_eq!(values, expected.collect::<Vec<_>>());
     }
     let plain = arm(300);
     let glb = export(
@@ -173,6 +193,48 @@ fn curves_are_written_at_the_keys() {
         Placement::AsModel,
     );
     assert_eq!(Glb::read(&glb.unwrap().glb).json["animations"][0].get("extras"), None);
+}
+
+/// A key between two frames has the curves between those of the frames.
+#[test]
+fn curves_are_written_at_the_keys_between_frames() {
+    let Some(examples) = some("curves/set.npz", (0..140).step_by(10)) else { return };
+    let (model, clips) = (&model(&examples, Predictor::Kernel, 8, 4)[..], &[clip("all", 0, 14)]);
+    let examples = &examples;
+    let playback = Playback { model, skin: None, examples, clips, between: true, levels: &[] };
+    let appearance = &Appearance::default();
+    let exported = Export { playback, appearance, placement: Placement::AsModel }.run();
+    let scene = Scene::read(&exported.unwrap().glb);
+    let (_, times, values) = curves(&scene, 0);
+    assert_eq!((&times, times.len()), (&scene.times(0), values.len()));
+    assert!(times.len() > 14, "{times:?}");
+    let frames: Vec<f32> = clips[0].times.iter().map(|&time| time as f32).collect();
+    for (time, values) in times.iter().zip(&values) {
+        let before = frames.partition_point(|frame| frame <= time) - 1;
+        let [from, to] = [before, (before + 1).min(13)].map(|frame| pose(examples, frame).curves);
+        let part = (time - frames[before]) * 30.0;
+        for ((value, from), to) in values.iter().zip(from).zip(to) {
+            assert!((value - from - part * (to - from)).abs() < 1e-4, "{time}: {value}");
+        }
+    }
+}
+
+#[test]
+fn curves_are_written_into_an_artist_s_file_too() {
+    let Some(examples) = some("curves/set.npz", 0..20) else { return };
+    let clips = [clip("a", 0, 12), clip("b", 12, 8)];
+    let file = Glb::read(&demo_glb(&examples, &clips).unwrap()).save("curves");
+    let bytes = model(&examples, Predictor::Kernel, 8, 4);
+    let grafted = export_into(&bytes, &examples, &clips, &[], &file).unwrap();
+    std::fs::remove_file(file).unwrap();
+    let scene = Scene::read(&grafted.glb);
+    for (number, clip) in clips.iter().enumerate() {
+        let (names, times, values) = curves(&scene, 2 + number);
+        assert_eq!((&names, &times), (&examples.curve_names, &scene.times(2 + number)));
+        let frames = clip.first..clip.first + clip.times.len();
+        let expected = frames.map(|frame| pose(&examples, frame).curves);
+        assert_eq!(values, expected.collect::<Vec<_>>());
+    }
 }
 
 /// Helpers of a face without joints hang under the armature.
