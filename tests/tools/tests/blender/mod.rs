@@ -299,6 +299,7 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
     {
         assert!(noted.contains(words), "{noted}");
     }
+    assert!(!noted.contains("muted"), "{noted}");
     let Loaded { examples, clips, warnings } = npz::load(&path).unwrap();
     assert_eq!(warnings, []);
     let fps = 24.0 / f64::from(1.001_f32);
@@ -331,6 +332,25 @@ fn meshes_are_joined_strips_are_clips_and_a_group_weighs() {
     let Loaded { examples: alone, clips, .. } = load(&clip).unwrap();
     assert_eq!((alone.frame_len(), clips.len(), clips[0].number(0)), (2, 1, Some(5)));
     assert_eq!(alone.frame(1), examples.frame(4));
+}
+
+#[test]
+fn muted_strips_are_left_out_and_named() {
+    let fps = 24.0 / f64::from(1.001_f32);
+    let all: Vec<i64> = (1..=10).collect();
+    for (scene, silent, clip) in [
+        // A muted strip, and the strip of a muted track.
+        ("muted", "Twist, Again", clip("Bend", 0, fps, &[1, 2, 3])),
+        ("off", "Bend, Twist, Again", clip("Scene", 0, fps, &all)),
+    ] {
+        let file = format!("{scene}.blend");
+        let Some((output, path)) = export(scene, &file, &["--mesh", "Limb"]) else { return };
+        let [said, noted] = done(&output);
+        let words = format!("muted strips of the NLA are left out: {silent}\n");
+        assert!(noted.contains(&words), "{said}{noted}");
+        assert!(!noted.contains("actions that nothing plays"), "{noted}");
+        assert_eq!(npz::load(&path).unwrap().clips, [clip]);
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
   deforms nothing, in centimetres under a node that scales them to metres.
 - strips.blend: the limb with a sleeve (mirrored, without a texture), two hidden meshes, a vertex group for
   importance, three strips of the NLA, and another unit.
+- muted.blend: strips.blend with a muted strip and a muted track; off.blend: strips.blend with its NLA off.
 - muddled.blend: strips.blend with overlapping strips and visible meshes. The number of vertices of one mesh
   grows, and the faces of the other change.
 - mirrored.blend: strips.blend with the whole rig mirrored.
@@ -122,6 +123,15 @@ scene.frame_end = 10
 for name, action, first in (("Bend", bend, 1), ("Twist", twist, 5), ("Again", bend, 7)):
     animation.nla_tracks.new().strips.new(name, first, action).extrapolation = "NOTHING"
 save("strips.blend")
+
+tracks = animation.nla_tracks
+for muted in (True, False):
+    tracks[1].strips[0].mute = tracks[2].mute = muted
+    if muted:
+        save("muted.blend")
+animation.use_nla = False
+save("off.blend")
+animation.use_nla = True
 
 animation.nla_tracks[1].strips[0].frame_start_ui = 2
 for mesh in (hair, scales):
