@@ -44,13 +44,17 @@ impl Examples {
     }
 }
 
-/// Finds the places of named curves.
+/// Finds the places of named curves. A name in other case is found if no other known name is like it: programs write
+/// ARKit's names as `jawOpen` or `JawOpen`.
 ///
 /// # Errors
 /// A curve is missing; the message lists the known curves.
 pub(super) fn places(known: &[String], names: &[String]) -> Result<Vec<usize>, Error> {
     let place = |name: &String| {
-        known.iter().position(|own| own == name).ok_or_else(|| {
+        let same = known.iter().position(|own| own == name);
+        let mut alike = (0..known.len()).filter(|&own| known[own].eq_ignore_ascii_case(name));
+        let only = alike.next().filter(|_| alike.next().is_none());
+        same.or(only).ok_or_else(|| {
             let found = match known {
                 [] => "has none".to_owned(),
                 names => format!("has {}", names.join(", ")),
@@ -72,10 +76,14 @@ mod tests {
         examples.curves = vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
         let error = examples.keep_curves(&["brow".to_owned()]).unwrap_err().to_string();
         assert_eq!(error, "there is no curve brow: it has smile, blink, jaw");
-        examples.keep_curves(&["jaw".to_owned(), "smile".to_owned()]).unwrap();
+        examples.keep_curves(&["Jaw".to_owned(), "smile".to_owned()]).unwrap();
+        assert_eq!(examples.curve_names, ["Jaw", "smile"], "the names that were asked for");
         assert_eq!(examples.curves, [0.3, 0.1, 0.6, 0.4]);
         examples.keep_curves(&[]).unwrap();
         assert!(examples.curves.is_empty() && examples.curves_of(1).is_empty());
         examples.validate().unwrap();
+        let known = ["jaw", "Jaw", "blink"].map(str::to_owned);
+        let places = |name: &str| super::places(&known, &[name.to_owned()]).ok();
+        assert_eq!(["Jaw", "JAW", "BLINK"].map(places), [Some(vec![1]), None, Some(vec![2])]);
     }
 }

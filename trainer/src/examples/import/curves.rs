@@ -49,7 +49,7 @@ pub(super) fn of_shapes(tracks: &[CurveTrack], choice: Curves<'_>) -> Result<Sam
             known.push(track.name.clone());
         }
     }
-    let names = match choice {
+    let chosen = match choice {
         Curves::Usual | Curves::None => return Ok(SampledCurves::default()),
         Curves::All if known.is_empty() => {
             return Err(Error::missing(
@@ -57,14 +57,12 @@ pub(super) fn of_shapes(tracks: &[CurveTrack], choice: Curves<'_>) -> Result<Sam
                  give the curves as a table with --curves-from",
             ));
         }
-        Curves::All => known,
-        Curves::Named(names) => {
-            places(&known, names)?;
-            names.to_vec()
-        }
+        Curves::All => &known,
+        Curves::Named(names) => names,
     };
-    let columns = names.iter().map(|name| one(tracks, name)).collect::<Result<Vec<_>, _>>()?;
-    Ok(SampledCurves::of_columns(names, &columns))
+    let own = |place: usize| one(tracks, &known[place]);
+    let columns = places(&known, chosen)?.into_iter().map(own).collect::<Result<Vec<_>, _>>()?;
+    Ok(SampledCurves::of_columns(chosen.to_vec(), &columns))
 }
 
 /// Returns the weights that all meshes give to a curve.
