@@ -1,14 +1,6 @@
 // Directions of a vertex, the frame of its surface, and half-precision numbers.
 
-vec3 cross3(vec3 a, vec3 b) {
-    precise vec3 product = a.yzx * b.zxy - a.zxy * b.yzx;
-    return product;
-}
-
-float dot3(vec3 a, vec3 b) {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
-}
+#include "vector.glsl"
 
 // Whether a vector has a direction: its squared length is a normal number.
 bool has_direction(vec3 v) {

@@ -1,17 +1,9 @@
 // Transforms of joints in the pose, and columns in the scratch.
 
+#include "vector.glsl"
+
 // Determinant below which a joint counts as hidden.
 const float HIDDEN = 1.0e-3;
-
-vec3 cross3(vec3 a, vec3 b) {
-    precise vec3 product = a.yzx * b.zxy - a.zxy * b.yzx;
-    return product;
-}
-
-float dot3(vec3 a, vec3 b) {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
-}
 
 vec3 transform_transposed(mat3 m, vec3 v) {
     return vec3(dot3(m[0], v), dot3(m[1], v), dot3(m[2], v));
