@@ -170,7 +170,7 @@ pub fn judge<'a>(
     let never_together = coverage::never_together(&context);
     progress.step("poses", 1);
     let mut predicted = redundancy::predict(&context);
-    if wrong.is_empty() {
+    if !inliers.keeps_outliers {
         findings.extend(predicted.as_ref().and_then(redundancy::unexplained));
     }
     if let Some(predicted) = &mut predicted {
