@@ -4,7 +4,7 @@
 use std::error::Error;
 use std::path::Path;
 
-const PAGES: [&str; 2] = ["../../runtime/ENGINE.md", "../../runtime/WEB.md"];
+const PAGES: [&str; 3] = ["../../README.md", "../../runtime/ENGINE.md", "../../runtime/WEB.md"];
 
 /// Starts of lines that a test must be able to call: items, and functions of a type.
 const ITEMS: [&str; 6] = ["fn ", "struct ", "enum ", "type ", "const ", "    fn "];

@@ -1,4 +1,4 @@
-//! The code of the page, one module per block.
+//! The code of the pages, one module per block.
 #![expect(dead_code, reason = "it is there to be read, and called in part")]
 
 macro_rules! blocks {
@@ -10,6 +10,7 @@ macro_rules! blocks {
 }
 
 blocks! {
+    first: "for_an_engine_0",
     mesh: "your_mesh_0",
     skeleton: "your_skeleton_0",
     curves: "your_curves_0",
