@@ -280,9 +280,9 @@ pub(super) fn describe(examples: &Examples) -> String {
     let (vertices, engine) = (examples.vertex_len(), examples.surface().engine_len());
     let split = if engine == vertices { String::new() } else { format!(" ({engine} in engines)") };
     format!(
-        "{vertices} vertices{split}, {} triangles, {} joints; {}",
+        "{vertices} vertices{split}, {} triangles, {}; {}",
         examples.triangles.len(),
-        examples.joint_len(),
+        examples.pose_size(),
         describe_frames(examples)
     )
 }

@@ -18,6 +18,18 @@ pub enum Curves<'a> {
 }
 
 impl Examples {
+    /// Describes the size of a pose, as "7 joints, 2 curves".
+    pub fn pose_size(&self) -> String {
+        let count =
+            |len: usize, word: &str| format!("{len} {word}{}", if len == 1 { "" } else { "s" });
+        let curves = (!self.curve_names.is_empty()).then(|| count(self.curve_names.len(), "curve"));
+        [Some(count(self.joint_len(), "joint")), curves]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
     /// Keeps the chosen curves of arrays.
     ///
     /// # Errors
@@ -79,7 +91,9 @@ mod tests {
         examples.keep_curves(&["Jaw".to_owned(), "smile".to_owned()]).unwrap();
         assert_eq!(examples.curve_names, ["Jaw", "smile"], "the names that were asked for");
         assert_eq!(examples.curves, [0.3, 0.1, 0.6, 0.4]);
+        assert_eq!(examples.pose_size(), "2 joints, 2 curves");
         examples.keep_curves(&[]).unwrap();
+        assert_eq!(examples.pose_size(), "2 joints");
         assert!(examples.curves.is_empty() && examples.curves_of(1).is_empty());
         examples.validate().unwrap();
         let known = ["jaw", "Jaw", "blink"].map(str::to_owned);

@@ -94,13 +94,13 @@ fn header(comparison: &Comparison<'_>) -> String {
     );
     format!(
         "<h1>{} on {}{compared}</h1>\n\
-         <p class=\"under\">{} vertices, {} triangles, {} joints, diagonal {:.4}{}; {}{}</p>\n\
+         <p class=\"under\">{} vertices, {} triangles, {}, diagonal {:.4}{}; {}{}</p>\n\
          <p class=\"verdict\">{verdict}{normals}</p>\n",
         text(model.file.name),
         text(source.name),
         grouped(examples.vertex_len()),
         grouped(examples.triangles.len()),
-        grouped(examples.joint_len()),
+        examples.pose_size(),
         examples.diagonal(),
         model.measured.diagonal_mm.map_or(String::new(), |mm| format!(" ({} mm)", written(mm))),
         measured_on(comparison),
