@@ -18,12 +18,12 @@ use super::scene::{JointNames, Motion, MotionJoints, SampledScene, Sampling, fau
 use crate::Error;
 use file::Parsed;
 use meshes::{Meshes, Wanted, Welded};
-use nalgebra::{Matrix4, Vector3};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use rigged::shown_meshes;
 use serde_json::Value;
 use sinew_runtime::format::Space;
-use skins::{Scene, Skins, move_mesh, normal_matrix};
+use skins::{Scene, Skins, move_mesh};
 use std::path::Path;
 
 /// Reads a rigged character: every mesh with a skin, its joints, and every clip that moves them.
@@ -240,7 +240,7 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
     let tree = file::tree(bytes)?;
     // Default weights are not part of a face at rest.
     let wanted = Wanted { skinned_only: false, default_shape: false };
-    let meshes = Meshes::read(&parsed, wanted)?;
+    let mut meshes = Meshes::read(&parsed, wanted)?;
     let (shaped, plain): (Vec<_>, Vec<_>) =
         (0..meshes.instances.len()).partition(|&at| !meshes.instances[at].morphs.is_empty());
     if shaped.is_empty() {
@@ -255,20 +255,16 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
     let mut normals = Vec::new();
     let mut place_of = vec![None; meshes.positions.len()];
     for &at in &shaped {
-        let (instance, own) = (&meshes.instances[at], meshes.vertices(at));
-        let world = match instance.skin {
-            Some(_) => Matrix4::identity(),
-            None => worlds[instance.node],
-        };
-        let (first, mirrored) = (out.positions.len(), world.determinant() < 0.0);
-        let turned = |v: [f64; 3]| -> [f64; 3] { world.transform_vector(&v.into()).into() };
-        for vertex in own {
-            place_of[vertex] = Some((out.positions.len(), mirrored));
-            let place = world.transform_point(&meshes.positions[vertex].into());
-            out.positions.push(place.coords.into());
+        if meshes.instances[at].skin.is_none() {
+            let world = worlds[meshes.instances[at].node];
+            move_mesh(&mut meshes, at, &world);
+        }
+        let (instance, first) = (&meshes.instances[at], out.positions.len());
+        for vertex in meshes.vertices(at) {
+            place_of[vertex] = Some(out.positions.len());
+            out.positions.push(meshes.positions[vertex]);
             out.uv.push(meshes.uv[vertex]);
-            let normal =
-                Vector3::from(normal_matrix(&world) * Vector3::from(meshes.normals[vertex]));
+            let normal = Vector3::from(meshes.normals[vertex]);
             normals.push(normal.try_normalize(0.0).unwrap_or_default().into());
         }
         let mesh = parsed.document.nodes().nth(instance.node).and_then(|node| node.mesh());
@@ -276,14 +272,13 @@ fn parse_shapes(bytes: &[u8], path: &Path) -> Result<ShapedMesh, Error> {
         for (target, deltas) in instance.morphs.iter().enumerate() {
             let name = names.and_then(|names| names.get(target)).and_then(Value::as_str);
             let name = name.map_or_else(|| format!("target {target}"), str::to_owned);
-            out.add(&name, deltas.iter().enumerate().map(|(own, by)| (first + own, turned(*by))));
+            out.add(&name, deltas.iter().enumerate().map(|(own, by)| (first + own, *by)));
         }
     }
     out.shapes.iter_mut().for_each(|shape| shape.deltas.resize(out.positions.len(), [0.0; 3]));
     let faces = meshes.triangles.iter().filter_map(|corners| {
         let [a, b, c] = corners.map(|corner| place_of[corner]);
-        let ((a, mirrored), (b, _), (c, _)) = (a?, b?, c?);
-        Some(if mirrored { vec![b, a, c] } else { vec![a, b, c] })
+        Some(vec![a?, b?, c?])
     });
     out.faces = faces.collect();
     match has_uv {

@@ -201,7 +201,7 @@ pub(super) fn move_mesh(meshes: &mut Meshes, instance: usize, shift: &Matrix4<f6
 }
 
 /// Returns the matrix that transforms normals under a placement.
-pub(super) fn normal_matrix(world: &Matrix4<f64>) -> Matrix3<f64> {
+fn normal_matrix(world: &Matrix4<f64>) -> Matrix3<f64> {
     let linear = world.fixed_view::<3, 3>(0, 0).into_owned();
     linear.try_inverse().map_or(linear, |inverse| inverse.transpose())
 }
