@@ -22,12 +22,11 @@ impl Examples {
     pub fn pose_size(&self) -> String {
         let count =
             |len: usize, word: &str| format!("{len} {word}{}", if len == 1 { "" } else { "s" });
-        let curves = (!self.curve_names.is_empty()).then(|| count(self.curve_names.len(), "curve"));
-        [Some(count(self.joint_len(), "joint")), curves]
-            .into_iter()
-            .flatten()
-            .collect::<Vec<_>>()
-            .join(", ")
+        let joints = count(self.joint_len(), "joint");
+        match self.curve_names.len() {
+            0 => joints,
+            curves => format!("{joints}, {}", count(curves, "curve")),
+        }
     }
 
     /// Keeps the chosen curves of arrays.

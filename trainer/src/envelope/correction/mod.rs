@@ -80,7 +80,7 @@ impl<'a> Search<'a> {
             let (_, g, to) = steps.min_by(|a, b| a.0.total_cmp(&b.0))?;
             taken[g] = to;
         }
-        // A step down may save more bytes than needed. The steps up with the largest gain use what is left.
+        // A step down may save more bytes than needed. Steps up use the remaining bytes, the largest gain first.
         loop {
             let left = bytes - sum(&taken);
             let steps = self.groups.iter().enumerate().flat_map(|(g, group)| {

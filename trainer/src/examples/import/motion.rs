@@ -176,8 +176,8 @@ fn from_rest(
 }
 
 /// Computes the maps from rest pose to pose of an animation's joints from the character's rest pose, frame-major, in
-/// the character's space. `None` if a joint leaves its rest position in the parent's frame or stretches, or if axes are
-/// unknown: only the pose at rest would tell which stretch is none.
+/// the character's space. `None` if a joint leaves its rest position in the parent's frame, if a joint's stretch changes
+/// (its stretch at rest is unknown), or if axes are unknown.
 ///
 /// - `places`: the animation's joint of each character joint.
 fn of_character_rest(
