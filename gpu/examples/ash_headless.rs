@@ -5,9 +5,10 @@
 #![allow(unsafe_code, reason = "every call of Vulkan is unsafe")]
 
 use ash::{Device, Entry, Instance, vk};
+use models::cells;
 use sinew_gpu::layout::{ALIGNMENT, Batch, Plan, Resource};
 use sinew_gpu::vulkan::{Bound, Buffers, Pipelines, limits, pool_sizes, set_len, usage};
-use sinew_runtime::skin::{Output, Rest, SkinJob, cells};
+use sinew_runtime::skin::{Output, SkinJob};
 use sinew_runtime::{
     CallError, Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose,
 };
@@ -22,8 +23,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         None => GOLDEN.to_vec(),
     };
     let model = Model::from_bytes(bytes)?;
-    let envelope = model.envelope().ok_or("the model has no envelope")?;
-    let skin = model.skin().ok_or("the model has no skin")?;
+    let envelope = model.first::<Envelope>().ok_or("the model has no envelope")?;
+    let skin = model.first::<Skin>().ok_or("the model has no skin")?;
     let mut batch = Batch::skinned(&envelope, &skin, INSTANCES);
     // All instances share their curves.
     batch.curves.stride = 0;
@@ -144,17 +145,12 @@ fn on_the_cpu(
         let confidence = envelope.palette(pose, curves, &mut scratch, &mut palette)?;
         let mut skinned = vec![0.0; if skin.has_tangents() { 10 * v } else { 6 * v }];
         let floats = cells(&mut skinned);
-        SkinJob {
-            skin: *skin,
-            palette: &palette,
-            vertices: 0..v,
-            remap: None,
-            rest: Rest::default(),
-            positions: Some(Output { floats, stride: 3 }),
-            normals: Some(Output { floats: &floats[3 * v..], stride: 3 }),
-            tangents: skin.has_tangents().then(|| Output { floats: &floats[6 * v..], stride: 4 }),
-        }
-        .run()?;
+        SkinJob::new(*skin, &palette)
+            .vertices(0..v)
+            .positions(Output::shared(floats, 3))
+            .normals(Output::shared(&floats[3 * v..], 3))
+            .tangents(skin.has_tangents().then(|| Output::shared(&floats[6 * v..], 4)))
+            .run()?;
         for (all, own) in out.iter_mut().zip([palette.concat().concat(), vec![confidence], skinned])
         {
             all.extend(own);

@@ -7,8 +7,8 @@ use models::{KernelContent, Pieces, Rng};
 use sinew_gpu::headless::Device;
 use sinew_gpu::layout::{KernelBatch, Plan, Resource, Stage};
 use sinew_gpu::{vulkan, wgpu};
-use sinew_runtime::Model;
 use sinew_runtime::kernel::Kernel;
+use sinew_runtime::{KernelMap, Model};
 use std::error::Error;
 use std::time::Instant;
 
@@ -43,7 +43,7 @@ fn measure(
     devices: &[Box<dyn Device>],
 ) -> Result<()> {
     let model = Model::from_bytes(Pieces::kernels(std::slice::from_ref(content)).bytes())?;
-    let kernel = model.kernel().ok_or("there is no kernel")?;
+    let kernel = model.first::<KernelMap>().ok_or("there is no kernel")?;
     let mut random = Rng(2015);
     let queries: Vec<_> = (0..instance_len).flat_map(|_| content.query(&mut random, 1.0)).collect();
     let mut out = vec![0.0; kernel.result_len()];

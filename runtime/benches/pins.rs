@@ -7,7 +7,7 @@
 use models::{Pieces, PriorContent, SMALL, Shape, ShapeContent};
 use sinew_runtime::format::Element;
 use sinew_runtime::prior::Edit;
-use sinew_runtime::{CallError, FileError, Model, Pin, PinJob, Pins};
+use sinew_runtime::{CallError, FileError, Model, Pin, PinJob, Pins, Prior, Skin};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -28,7 +28,9 @@ fn main() -> Result<(), Refused> {
     pieces.add_prior(&PriorContent::sample(0, SHAPES));
     let bytes = pieces.bytes();
     let model = Model::from_bytes(bytes.as_slice()).map_err(Refused::File)?;
-    let (Some(prior), Some(skin)) = (model.prior(), model.skin()) else { return Ok(()) };
+    let (Some(prior), Some(skin)) = (model.first::<Prior>(), model.first::<Skin>()) else {
+        return Ok(());
+    };
     let scalars = 3 * PINS;
     let mut scratch = vec![0.0; prior.counts().pin_scratch_len(scalars)];
     println!("scratch: {} bytes", 8 * scratch.len());

@@ -7,7 +7,7 @@
 use models::{Pieces, SMALL, Shape, ShapeContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
-use sinew_runtime::skin::{Output, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{CallError, Model, ShapesJob, Skin};
 use std::error::Error;
 use std::hint::black_box;
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn print(mask: &str, model: &Model<Vec<u8>>) -> Result<(), Box<dyn Error>> {
-    let skin = model.skin().ok_or("no skin")?;
+    let skin = model.first::<Skin>().ok_or("no skin")?;
     let [alone, sum, both, sum_of_both] = seconds(model, skin)?;
     println!(
         "{mask:<15}{:<7}{:>10.2}{:>8.2}{:>7.2}{:>13.2}{:>8.2}{:>7.2}",
@@ -89,16 +89,11 @@ fn seconds(model: &Model<Vec<u8>>, skin: Skin<'_>) -> Result<[f64; 4], Box<dyn E
     let floats = 3 * skin.vertex_len();
     let (mut positions, mut normals) = (vec![0.0; floats], vec![0.0; floats]);
     let mut shape = |with_normals: bool| -> Result<(), CallError> {
-        let to = |floats| Some(Output { floats: cells(floats), stride: 3 });
-        ShapesJob {
-            skin,
-            weights: black_box(&weights),
-            vertices: 0..skin.vertex_len(),
-            positions: to(&mut positions),
-            normals: to(&mut normals).filter(|_| with_normals),
-            tangents: None,
-        }
-        .run()
+        let to = |floats| Some(Output::new(floats, 3));
+        ShapesJob::new(skin, black_box(&weights))
+            .positions(to(&mut positions))
+            .normals(to(&mut normals).filter(|_| with_normals))
+            .run()
     };
     let mut times = [const { Vec::new() }; 4];
     for _ in 0..RUNS {

@@ -9,7 +9,7 @@
 use models::{KernelContent, Pieces, Rng, TextureContent, ViewContent, ViewsContent};
 use sinew_runtime::kernel::{Kernel, NO_TERM, OutputKind, OutputRow};
 use sinew_runtime::views::{Layer, NO_VERTEX, RenderScratch};
-use sinew_runtime::{CallError, FileError, Frame, FrameJob, Model, RenderJob};
+use sinew_runtime::{CallError, FileError, Frame, FrameJob, Model, RenderJob, Views};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -102,7 +102,7 @@ fn main() -> Result<(), Refused> {
         let mut pieces = Pieces::kernels(&[map()]);
         pieces.add_views(&object(is_quads, if has_depth { Layer::DEPTH } else { 0 }));
         let model = Model::from_bytes(pieces.bytes()).map_err(Refused::File)?;
-        let Some(views) = model.views() else { return Ok(()) };
+        let Some(views) = model.first::<Views>() else { return Ok(()) };
         let Some(map) = model.map_of(&views, 0) else { return Ok(()) };
         let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
         let (mut points, mut visibility) = (vec![[0.0; 3]; POINTS], vec![0.0; POINTS]);
@@ -110,8 +110,10 @@ fn main() -> Result<(), Refused> {
         let frame = median(|number| {
             let parameters = [number as f32 / RUNS as f32; INPUTS];
             let (points, visibility) = (points.as_mut_slice(), visibility.as_mut_slice());
-            let out = Frame { points, visibility, scores: &mut scores, layers: &mut layers };
-            black_box(FrameJob { views, map, parameters: &parameters }.run(&mut scratch, out)?);
+            let mut out = Frame { points, visibility, scores: &mut scores, layers: &mut layers };
+            black_box(
+                FrameJob { views, map, parameters: &parameters }.run(&mut scratch, &mut out)?,
+            );
             Ok(())
         })?;
         let name = if is_quads { "quads" } else { "triangles" };

@@ -5,6 +5,7 @@ use core::fmt;
 
 /// Reason why a call was refused. A refused call has written nothing except scratch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct CallError {
     /// Kind of the mistake.
     pub kind: CallErrorKind,
@@ -21,6 +22,7 @@ pub struct CallError {
 /// Kinds of mistakes in a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub enum CallErrorKind {
     /// The argument's length, in its own elements, must be `expected`.
     Length,
@@ -35,6 +37,8 @@ pub enum CallErrorKind {
     OutOfRange,
     /// The stride is shorter than the attribute, which has `expected` floats.
     Stride,
+    /// The attribute overlaps another attribute in memory.
+    Overlap,
     /// The skin lacks the attribute, or the kernel has no variance.
     NoAttribute,
     /// The envelope's predictor, number `found`, does not have the stage.
@@ -56,6 +60,7 @@ named! {
     /// Argument of a call, as [`CallError`] names it. The C ABI has the same numbers.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u8)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum Argument {
         /// The call as a whole.
         Call = 0, "call";
@@ -141,9 +146,10 @@ named! {
         Strains = 40, "strains";
     }
     /// Every argument.
-    ALL;
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) ALL;
     /// Returns the argument's name.
-    name;
+    pub name;
 }
 
 impl CallError {
@@ -222,6 +228,7 @@ impl fmt::Display for CallError {
                 f,
                 "{name}: a stride of {found} floats is shorter than the attribute's {expected}"
             ),
+            CallErrorKind::Overlap => write!(f, "{name}: overlap another attribute in memory"),
             CallErrorKind::NoAttribute => write!(f, "{name}: the part has none"),
             CallErrorKind::NoStage => {
                 write!(f, "the stage is not part of the envelope's predictor, number {found}")

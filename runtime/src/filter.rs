@@ -25,7 +25,7 @@ const FIT: usize = Rule::place(&RULES, SectionKind::FilterFit);
 #[derive(Clone, Copy)]
 pub struct Filter<'a>(pub(crate) Part<'a>);
 
-part::view! { Filter, FilterLayout, |words| -> FilterCounts { FilterCounts::from_words(first_counts(words)) } }
+part::view! { Filter, Filter, |words| -> FilterCounts { FilterCounts::from_words(first_counts(words)) } }
 
 impl<'a> Filter<'a> {
     /// Returns F, the number of fine samples per coarse sample.
@@ -196,7 +196,8 @@ fn sums<const L: usize>(taps: &[Le], window: &[f32], lane_len: usize, first: usi
 
 /// Counts of a filter. The length of every section follows from the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FilterCounts {
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) struct FilterCounts {
     /// Fine samples per coarse sample, F.
     pub factor: u32,
     /// Coarse samples of a window, N; odd.
@@ -221,6 +222,7 @@ impl FilterCounts {
 
 /// Measured error of a filter on its training data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct FilterFit {
     /// Distance between coarse samples, in units of the signal's axis; 0 without a unit.
     pub step: f32,
@@ -241,7 +243,8 @@ mod place {
 }
 
 /// The sections of a filter, in the trainer's order.
-pub const FILTER_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) const FILTER_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && FilterCounts::BYTES <= 4 * COUNTS);
 

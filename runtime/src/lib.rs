@@ -1,16 +1,16 @@
 //! Evaluates baked Sinew models: no standard library, no allocation, and the same bits on every CPU.
 //!
 //! ```
-//! use sinew_runtime::{CallError, LocalTransform, Matrix3x4, Model, matrix, model_space_pose};
+//! use sinew_runtime::{CallError, Envelope, LocalTransform, Matrix3x4, Model, Skin};
+//! use sinew_runtime::{matrix, model_space_pose};
 //!
 //! /// Skins a mesh from a file and an animation's rotations. An engine keeps the arrays.
 //! fn frame(
 //!     model: &Model<Vec<u8>>,
 //!     rotations: &[(usize, [f32; 4])],
 //! ) -> Result<Vec<[f32; 3]>, CallError> {
-//!     let (Some(envelope), Some(skin)) = (model.envelope(), model.skin()) else {
-//!         return Ok(Vec::new());
-//!     };
+//!     let parts = (model.first::<Envelope>(), model.first::<Skin>());
+//!     let (Some(envelope), Some(skin)) = parts else { return Ok(Vec::new()) };
 //!     // Start at the rest pose, then apply the animation.
 //!     let mut local: Vec<LocalTransform> = envelope.rest_locals().collect();
 //!     for (joint, rotation) in rotations {
@@ -40,6 +40,8 @@
 //! summation. Each transcendental function is one polynomial (METHOD §7).
 #![no_std]
 #![forbid(unsafe_code)]
+// Without `internals`, items that serve only the trainer and other evaluators are unused.
+#![cfg_attr(not(feature = "internals"), allow(dead_code, unreachable_pub, unused_imports))]
 
 pub mod envelope;
 mod error;
@@ -62,10 +64,10 @@ pub mod prior;
 #[cfg(feature = "record")]
 pub mod record;
 pub mod skin;
+#[cfg(feature = "internals")]
 pub mod stages;
 #[cfg(feature = "views")]
 pub mod views;
-mod workspace;
 
 pub use envelope::{
     Envelope, LocalTransform, gather_pose, model_space_pose, model_space_pose_under,
@@ -74,13 +76,16 @@ pub use envelope::{
 pub use error::{Argument, CallError, CallErrorKind};
 #[cfg(feature = "filter")]
 pub use filter::Filter;
+pub use format::part::{ModelPart, PartLayout};
 pub use format::{FileError, FileErrorKind};
 #[cfg(feature = "kernel")]
 pub use kernel::KernelMap;
 pub use limits::Limits;
 pub use linear::Matrix3x4;
 pub use matrix::{scale_palette, take_scale};
-pub use model::{Model, Section};
+pub use model::Model;
+#[cfg(feature = "internals")]
+pub use model::Section;
 #[cfg(feature = "prior")]
 pub use prior::{Pin, PinJob, Pins, Prior};
 #[cfg(feature = "record")]
@@ -92,7 +97,6 @@ pub use skin::{Skin, SkinJob, mesh_hash_of};
 pub use views::RenderJob;
 #[cfg(feature = "views")]
 pub use views::{Frame, FrameJob, Views};
-pub use workspace::Workspace;
 
 /// Compiles the example of `README.md`.
 #[cfg(doctest)]

@@ -7,6 +7,7 @@
 // The C ABI reads and writes this structure as `sinew_limits`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct Limits {
     /// Bytes of the file.
     pub file_bytes: u32,

@@ -92,9 +92,9 @@ pub(crate) fn moved(m: &Matrix3x4, [x, y, z]: [f32; 3]) -> [f32; 3] {
     m.map(|[a, b, c, shift]| a * x + b * y + c * z + shift)
 }
 
-/// Returns the transform a b, which applies b first.
+/// Composes two transforms: a b, which applies b first.
 #[inline]
-pub(crate) fn compose(a: &Matrix3x4, [x, y, z]: &Matrix3x4) -> Matrix3x4 {
+pub fn compose(a: &Matrix3x4, [x, y, z]: &Matrix3x4) -> Matrix3x4 {
     let mut out = [[0.0; 4]; 3];
     for (row, [a0, a1, a2, shift]) in out.iter_mut().zip(a) {
         for (((out, x), y), z) in row.iter_mut().zip(x).zip(y).zip(z) {
@@ -105,8 +105,8 @@ pub(crate) fn compose(a: &Matrix3x4, [x, y, z]: &Matrix3x4) -> Matrix3x4 {
     out
 }
 
-/// Returns the inverse of a transform whose determinant is not 0.
-pub(crate) fn inverse(m: &Matrix3x4) -> Matrix3x4 {
+/// Inverts a transform. The result is not finite if the determinant is 0.
+pub fn inverse(m: &Matrix3x4) -> Matrix3x4 {
     let [[x0, x1, x2, tx], [y0, y1, y2, ty], [z0, z1, z2, tz]] = *m;
     let (x, y, z) = ([x0, x1, x2], [y0, y1, y2], [z0, z1, z2]);
     let [a, b, c] = [cross(y, z), cross(z, x), cross(x, y)];

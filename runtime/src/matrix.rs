@@ -14,14 +14,16 @@ use crate::envelope::RIGID_TOLERANCE;
 use crate::linear::{Matrix3x4, columns, dot};
 use crate::numeric::sqrt;
 
+pub use crate::linear::{compose, inverse};
+
 /// The identity transform.
 pub const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// Relative distance within which a scale is rounded to a number of [`SCALE_BITS`]. Single
+/// Relative distance within which a scale is rounded to a number of `SCALE_BITS` bits. Single
 /// precision leaves about this error in a rotation that passed down many joints.
-pub const SCALE_TOLERANCE: f32 = 4.0e-6;
+const SCALE_TOLERANCE: f32 = 4.0e-6;
 /// Bits of a scale that a person typed, for example 1, 0.5 or 1.25.
-pub const SCALE_BITS: u32 = 12;
+const SCALE_BITS: u32 = 12;
 
 /// Converts a 4x4 matrix of four columns; the last row is dropped.
 ///
@@ -67,6 +69,12 @@ pub const fn from_affine_columns(m: &[f32; 12]) -> Matrix3x4 {
     [[xx, xy, xz, x], [yx, yy, yz, y], [zx, zy, zz, z]]
 }
 
+/// Converts a transform to four columns of three, as glam's `Affine3A::from_cols_array` takes them.
+pub const fn to_affine_columns(m: &Matrix3x4) -> [f32; 12] {
+    let [[xx, xy, xz, x], [yx, yy, yz, y], [zx, zy, zz, z]] = *m;
+    [xx, yx, zx, xy, yy, zy, xz, yz, zz, x, y, z]
+}
+
 /// Converts to a 4x4 matrix of four columns, the inverse of [`from_columns`].
 pub const fn to_columns(m: &Matrix3x4) -> [f32; 16] {
     let [[xx, xy, xz, x], [yx, yy, yz, y], [zx, zy, zz, z]] = *m;
@@ -96,8 +104,8 @@ pub const fn to_columns(m: &Matrix3x4) -> [f32; 16] {
 /// ```
 ///
 /// The scale is the mean length of the columns of the first joint's linear part. The columns must be equally long and
-/// at right angles, within [`RIGID_TOLERANCE`] of the squared length: a joint that stretches or shears has no such
-/// scale. A scale within [`SCALE_TOLERANCE`] of a number of few bits is rounded to that number. Without a scale, or for
+/// at right angles, within 0.2 % of the squared length: a joint that stretches or shears has no such
+/// scale. A scale within 4e-6 of a number of 12 bits is rounded to that number. Without a scale, or for
 /// a scale of 1, the result is 1 and the pose keeps its bits; so does a scale that is not finite or not greater than 0.
 /// A scale that is a power of two is divided out and restored exactly. Normals and tangents need no correction: they
 /// have length 1 for any scale of the palette.
@@ -158,6 +166,7 @@ mod tests {
         assert_eq!(from_columns(&columns), rows);
         let affine = [1.0, 5.0, 9.0, 2.0, 6.0, 10.0, 3.0, 7.0, 11.0, 4.0, 8.0, 12.0];
         assert_eq!(from_affine_columns(&affine), rows);
+        assert_eq!(to_affine_columns(&rows), affine);
         let flat = [1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 0., 0., 0., 1.];
         assert_eq!(from_rows(&flat), rows);
     }

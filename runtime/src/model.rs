@@ -3,10 +3,10 @@
 use crate::envelope::{self, Envelope, EnvelopeCounts};
 #[cfg(feature = "filter")]
 use crate::filter::{self, Filter};
-use crate::format::part::{Asked, Part, PartLayout};
+use crate::format::part::{Asked, ModelPart, Part, PartLayout};
 use crate::format::refusal::{Checked, Loading, Refused};
 use crate::format::{
-    FileError, FileId, Manifest, PartKind, PartRow, SectionKind, SectionRow, Space,
+    EVALUATED, FileError, FileId, Manifest, PartKind, PartRow, SectionKind, SectionRow, Space,
 };
 #[cfg(feature = "kernel")]
 use crate::kernel::{self, KernelMap};
@@ -35,8 +35,8 @@ pub struct Model<B> {
 #[derive(Clone, Copy)]
 struct Contents {
     manifest: Manifest,
-    /// The first part of each kind, in the order of [`PartKind::ALL`].
-    firsts: [PartLayout; PartKind::ALL.len()],
+    /// The first part of each kind, in the order of [`EVALUATED`].
+    firsts: [PartLayout; EVALUATED.len()],
 }
 
 /// One section of a file, of a known or an unknown kind.
@@ -73,150 +73,54 @@ impl<B: AsRef<[u8]>> Model<B> {
         }
     }
 
-    /// Returns the first envelope; `None` if the file has none.
-    pub fn envelope(&self) -> Option<Envelope<'_>> {
-        self.contents.first(PartKind::Envelope, self.bytes.as_ref()).map(Envelope)
+    /// Returns the first part of a kind: `model.first::<Envelope>()`. Returns `None` if the file has
+    /// none; a palette-only file has no [`Skin`].
+    pub fn first<'a, P: ModelPart<'a>>(&'a self) -> Option<P> {
+        self.contents.first(P::KIND, self.bytes.as_ref()).map(P::of)
     }
 
-    /// Returns the first skin; `None` if the file has none, for example a palette-only file.
-    pub fn skin(&self) -> Option<Skin<'_>> {
-        self.contents.first(PartKind::Skin, self.bytes.as_ref()).map(Skin)
+    /// Lists the parts of a kind. Each item reads the rows of its sections: keep the part's
+    /// [`PartLayout`] for parts that are needed every frame.
+    pub fn all<'a, P: ModelPart<'a>>(&'a self) -> impl Iterator<Item = P> {
+        let parts = parts_of(&self.contents.manifest, self.bytes.as_ref(), P::KIND);
+        parts.filter_map(|part| self.part(part))
     }
 
-    /// Lists the envelopes. Each item reads the rows of its sections: keep [`Envelope::layout`] for
-    /// envelopes that are needed every frame.
-    pub fn envelopes(&self) -> impl Iterator<Item = Envelope<'_>> {
-        self.parts_of(PartKind::Envelope).map(Envelope)
-    }
-
-    /// Lists the skins. Keep [`Skin::layout`] for every frame.
-    pub fn skins(&self) -> impl Iterator<Item = Skin<'_>> {
-        self.parts_of(PartKind::Skin).map(Skin)
-    }
-
-    /// Returns the envelope with this name.
-    pub fn envelope_named(&self, name: &str) -> Option<Envelope<'_>> {
-        self.envelopes().find(|envelope| envelope.name() == name)
-    }
-
-    /// Returns the skin with this name.
-    pub fn skin_named(&self, name: &str) -> Option<Skin<'_>> {
-        self.skins().find(|skin| skin.name() == name)
-    }
-
-    /// Returns the first kernel; `None` if the file has none.
-    #[cfg(feature = "kernel")]
-    pub fn kernel(&self) -> Option<KernelMap<'_>> {
-        self.contents.first(PartKind::Kernel, self.bytes.as_ref()).map(KernelMap)
-    }
-
-    /// Lists the kernels. Keep [`KernelMap::layout`] for every frame.
-    #[cfg(feature = "kernel")]
-    pub fn kernels(&self) -> impl Iterator<Item = KernelMap<'_>> {
-        self.parts_of(PartKind::Kernel).map(KernelMap)
-    }
-
-    /// Returns the kernel with this name.
-    #[cfg(feature = "kernel")]
-    pub fn kernel_named(&self, name: &str) -> Option<KernelMap<'_>> {
-        self.kernels().find(|kernel| kernel.name() == name)
-    }
-
-    /// Returns the first prior; `None` if the file has none.
-    #[cfg(feature = "prior")]
-    pub fn prior(&self) -> Option<Prior<'_>> {
-        self.contents.first(PartKind::Prior, self.bytes.as_ref()).map(Prior)
-    }
-
-    /// Lists the priors. Keep [`Prior::layout`] for every frame.
-    #[cfg(feature = "prior")]
-    pub fn priors(&self) -> impl Iterator<Item = Prior<'_>> {
-        self.parts_of(PartKind::Prior).map(Prior)
-    }
-
-    /// Returns the prior with this name.
-    #[cfg(feature = "prior")]
-    pub fn prior_named(&self, name: &str) -> Option<Prior<'_>> {
-        self.priors().find(|prior| prior.name() == name)
-    }
-
-    /// Returns the first object of key views; `None` if the file has none.
-    #[cfg(feature = "views")]
-    pub fn views(&self) -> Option<Views<'_>> {
-        self.contents.first(PartKind::Views, self.bytes.as_ref()).map(Views)
-    }
-
-    /// Lists the objects of key views. Keep [`Views::layout`] for every frame.
-    #[cfg(feature = "views")]
-    pub fn all_views(&self) -> impl Iterator<Item = Views<'_>> {
-        self.parts_of(PartKind::Views).map(Views)
-    }
-
-    /// Returns the object of key views with this name.
-    #[cfg(feature = "views")]
-    pub fn views_named(&self, name: &str) -> Option<Views<'_>> {
-        self.all_views().find(|views| views.name() == name)
-    }
-
-    /// Returns the first filter; `None` if the file has none.
-    #[cfg(feature = "filter")]
-    pub fn filter(&self) -> Option<Filter<'_>> {
-        self.contents.first(PartKind::Filter, self.bytes.as_ref()).map(Filter)
-    }
-
-    /// Lists the filters. Keep [`Filter::layout`] for every frame.
-    #[cfg(feature = "filter")]
-    pub fn filters(&self) -> impl Iterator<Item = Filter<'_>> {
-        self.parts_of(PartKind::Filter).map(Filter)
-    }
-
-    /// Returns the filter with this name.
-    #[cfg(feature = "filter")]
-    pub fn filter_named(&self, name: &str) -> Option<Filter<'_>> {
-        self.filters().find(|filter| filter.name() == name)
-    }
-
-    /// Returns the training record of an envelope; `None` if the file has none.
-    #[cfg(feature = "record")]
-    pub fn record_of(&self, envelope: &Envelope<'_>) -> Option<Record<'_>> {
-        self.records().find(|record| record.name() == envelope.name())
-    }
-
-    /// Lists the records.
-    #[cfg(feature = "record")]
-    pub fn records(&self) -> impl Iterator<Item = Record<'_>> {
-        self.parts_of(PartKind::Record).map(Record)
+    /// Returns the part of a kind with this name: `model.named::<Skin>("body")`.
+    pub fn named<'a, P: ModelPart<'a>>(&'a self, name: &str) -> Option<P> {
+        self.all::<P>().find(|part| part.name() == name)
     }
 
     /// Returns a map of an object in this model.
     #[cfg(feature = "views")]
     pub fn map_of(&self, views: &Views<'_>, map: usize) -> Option<KernelMap<'_>> {
-        let part = u16::try_from(views.map_part(map)?).ok()?;
-        self.part(PartKind::Kernel, part).map(KernelMap)
+        self.part(u16::try_from(views.map_part(map)?).ok()?)
     }
 
     /// Returns the skin whose shape weights a prior of this model describes.
     #[cfg(feature = "prior")]
     pub fn skin_of(&self, prior: &Prior<'_>) -> Option<Skin<'_>> {
-        self.part(PartKind::Skin, u16::try_from(prior.counts().skin).ok()?).map(Skin)
+        self.part(u16::try_from(prior.counts().skin).ok()?)
     }
 
     /// Returns the envelope whose palette a skin of this model follows.
     pub fn envelope_of(&self, skin: &Skin<'_>) -> Option<Envelope<'_>> {
         let part = skin.counts().envelope()?;
-        match self.envelope() {
+        match self.first::<Envelope<'_>>() {
             Some(first) if first.part() == usize::from(part) => Some(first),
-            _ => self.part(PartKind::Envelope, part).map(Envelope),
+            _ => self.part(part),
         }
     }
 
     /// Lists the parts, including unknown kinds.
-    pub fn parts(&self) -> impl ExactSizeIterator<Item = PartRow> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn parts(&self) -> impl ExactSizeIterator<Item = PartRow> {
         self.contents.manifest.parts(self.bytes.as_ref())
     }
 
     /// Lists the sections in the order of the file, including unknown kinds.
-    pub fn sections(&self) -> impl ExactSizeIterator<Item = Section<'_>> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn sections(&self) -> impl ExactSizeIterator<Item = Section<'_>> {
         let file = self.bytes.as_ref();
         self.contents
             .manifest
@@ -249,32 +153,26 @@ impl<B: AsRef<[u8]>> Model<B> {
         self.bytes
     }
 
-    /// Lists the parts of a kind.
-    fn parts_of(&self, kind: PartKind) -> impl Iterator<Item = Part<'_>> {
-        let parts = parts_of(&self.contents.manifest, self.bytes.as_ref(), kind);
-        parts.filter_map(move |part| self.part(kind, part))
-    }
-
-    /// Finds a part of a kind by its row in the part table.
-    fn part(&self, kind: PartKind, part: u16) -> Option<Part<'_>> {
+    /// Finds a part by its row in the part table.
+    fn part<'a, P: ModelPart<'a>>(&'a self, part: u16) -> Option<P> {
         let file = self.bytes.as_ref();
         let loading = Loading::new(file, &Limits::FORMAT);
         let mut view = Part::new(file);
-        find_part(&loading, &self.contents.manifest, (kind, part), &mut view).ok()?;
-        Some(view)
+        find_part(&loading, &self.contents.manifest, (P::KIND, part), &mut view).ok()?;
+        Some(P::of(view))
     }
 }
 
 impl Contents {
     const NOTHING: Self =
-        Self { manifest: Manifest::NOTHING, firsts: [PartLayout::NOTHING; PartKind::ALL.len()] };
+        Self { manifest: Manifest::NOTHING, firsts: [PartLayout::NOTHING; EVALUATED.len()] };
 
     /// Reads and checks all of a file.
     #[inline(never)]
     fn read(&mut self, loading: &Loading<'_>) -> Checked {
         let Self { manifest, firsts } = self;
         manifest.read(loading)?;
-        for (kind, first) in PartKind::ALL.iter().zip(firsts) {
+        for (kind, first) in EVALUATED.iter().zip(firsts) {
             for part in parts_of(manifest, loading.file, *kind) {
                 loading.of_part(part);
                 let mut view = Part::new(loading.file);
@@ -297,6 +195,11 @@ impl Contents {
                     PartKind::Filter => filter::check_content(&Filter(view), loading),
                     #[cfg(feature = "record")]
                     PartKind::Record => record::check_content(&Record(view), loading),
+                    #[allow(
+                        unreachable_patterns,
+                        reason = "kinds that this build does not evaluate"
+                    )]
+                    _ => Ok(()),
                 }?;
             }
         }
@@ -305,7 +208,7 @@ impl Contents {
 
     /// Returns the first part of a kind.
     fn first<'a>(&self, kind: PartKind, file: &'a [u8]) -> Option<Part<'a>> {
-        let (_, layout) = PartKind::ALL.iter().zip(&self.firsts).find(|(own, _)| **own == kind)?;
+        let (_, layout) = EVALUATED.iter().zip(&self.firsts).find(|(own, _)| **own == kind)?;
         layout.is_some().then_some(Part { layout: *layout, file })
     }
 }
@@ -332,8 +235,10 @@ fn find_part(
         PartKind::Filter => &filter::RULES,
         #[cfg(feature = "record")]
         PartKind::Record => &record::RULES,
+        #[allow(unreachable_patterns, reason = "kinds that this build does not evaluate")]
+        _ => return Ok(()),
     };
-    out.enter(loading, manifest, part, rules)?;
+    out.enter(loading, manifest, (kind, part), rules)?;
     // The counts come first in the rules.
     out.find_sections(loading, manifest, rules.get(..1).unwrap_or_default(), &Asked::COUNTS)?;
     out.read_counts();
@@ -359,6 +264,8 @@ fn find_part(
         PartKind::Filter => filter::check_counts(&out.layout.counts, loading)?,
         #[cfg(feature = "record")]
         PartKind::Record => record::check_counts(&out.layout.counts, loading)?,
+        #[allow(unreachable_patterns, reason = "kinds that this build does not evaluate")]
+        _ => Asked::COUNTS,
     };
     out.find_sections(loading, manifest, rules, &asked)
 }
@@ -411,6 +318,30 @@ fn parts_of<'a>(
 
 impl<B: AsRef<[u8]>> fmt::Debug for Model<B> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(self.parts()).finish()
+        let mut out = f.debug_struct("Model");
+        out.field("bytes", &self.bytes.as_ref().len());
+        out.field("parts", &Parts(self)).finish()
+    }
+}
+
+/// The parts of a model that this build evaluates, by kind.
+struct Parts<'a, B>(&'a Model<B>);
+
+impl<B: AsRef<[u8]>> fmt::Debug for Parts<'_, B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(model) = self;
+        let mut out = f.debug_list();
+        out.entries(model.all::<Envelope<'_>>()).entries(model.all::<Skin<'_>>());
+        #[cfg(feature = "kernel")]
+        out.entries(model.all::<KernelMap<'_>>());
+        #[cfg(feature = "prior")]
+        out.entries(model.all::<Prior<'_>>());
+        #[cfg(feature = "views")]
+        out.entries(model.all::<Views<'_>>());
+        #[cfg(feature = "filter")]
+        out.entries(model.all::<Filter<'_>>());
+        #[cfg(feature = "record")]
+        out.entries(model.all::<Record<'_>>());
+        out.finish()
     }
 }

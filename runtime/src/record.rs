@@ -22,7 +22,7 @@ const WEIGHTS: usize = Rule::place(&RULES, SectionKind::LbsWeights);
 #[derive(Clone, Copy)]
 pub struct Record<'a>(pub(crate) Part<'a>);
 
-part::view! { Record, RecordLayout, |words| -> RecordCounts { RecordCounts::from_words(first_counts(words)) } }
+part::view! { Record, Record, |words| -> RecordCounts { RecordCounts::from_words(first_counts(words)) } }
 
 impl<'a> Record<'a> {
     /// Lists the marks of the training frames: numbers that identify a frame in any axes and unit
@@ -71,7 +71,8 @@ pub const MARK_LEN: usize = 4;
 
 /// Counts of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RecordCounts {
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) struct RecordCounts {
     /// Training frames, F.
     pub frame_len: u32,
     /// Vertices of the examples, with one vertex per point of the surface, V.
@@ -111,7 +112,8 @@ mod place {
 const SKINS: u8 = 4;
 
 /// The sections of a record, in the trainer's order.
-pub const RECORD_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) const RECORD_SECTIONS: [SectionKind; RULES.len()] = Rule::sections(&RULES);
 
 const _: () = assert!(RULES.len() <= SECTIONS && RecordCounts::BYTES <= 4 * COUNTS);
 

@@ -1,15 +1,17 @@
 //! Loading and evaluating allocate nothing.
 use crate::allocator::allocated;
 use crate::common;
-use crate::common::{job, output, random_pose};
-use models::{JOINTLESS, KernelContent, Pieces, Rng, SMALL, STRETCHING, Shape, ViewsContent};
+use crate::common::random_pose;
+use models::{
+    JOINTLESS, KernelContent, Pieces, Rng, SMALL, STRETCHING, Shape, ViewsContent, cells,
+};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::skin::{Rest, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::views::{Layer, RenderScratch};
 use sinew_runtime::{
-    Frame, FrameJob, LocalTransform, Model, Pin, PinJob, Pins, RenderJob, ShapesJob, SkinJob,
-    model_space_pose,
+    Envelope, Frame, FrameJob, KernelMap, LocalTransform, Model, Pin, PinJob, Pins, Prior,
+    RenderJob, ShapesJob, Skin, SkinJob, Views, model_space_pose,
 };
 
 /// Returns the number of allocations that `work` makes.
@@ -30,7 +32,7 @@ fn nothing_is_allocated() {
 fn evaluate(predictor: Predictor, shape: Shape) {
     let bytes = Pieces::sample(predictor, shape).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let v = skin.vertex_len();
     let mut pose = random_pose(&envelope, &mut Rng(1), 0.5);
     let local = vec![
@@ -46,12 +48,13 @@ fn evaluate(predictor: Predictor, shape: Shape) {
     let (positions, remap) = (vec![[0.5; 3]; v], vec![1; v]);
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
-        let envelope = model.envelope_named("arm").unwrap();
-        let skin = model.skin_named("sleeve").unwrap();
+        let envelope = model.named::<Envelope>("arm").unwrap();
+        let skin = model.named::<Skin>("sleeve").unwrap();
         assert!(model.envelope_of(&skin).is_some());
-        let (envelope, skin) = (envelope.layout().open(&bytes), skin.layout().open(&bytes));
+        let (envelope, skin) =
+            (envelope.layout().open::<Envelope>(&bytes), skin.layout().open::<Skin>(&bytes));
         let (envelope, skin) = (envelope.unwrap(), skin.unwrap());
-        assert_eq!((model.envelopes().count(), model.skins().count()), (1, 1));
+        assert_eq!((model.all::<Envelope>().count(), model.all::<Skin>().count()), (1, 1));
         model_space_pose(&envelope, &local, &mut pose).unwrap();
         envelope.check_pose(&pose, &curves).ok();
         let confidence = envelope.palette(&pose, &curves, &mut scratch, &mut palette).unwrap();
@@ -61,15 +64,12 @@ fn evaluate(predictor: Predictor, shape: Shape) {
         skin.bounds(&palette, 0.25).unwrap();
         assert_eq!(skin.ranges().count(), 2);
         let a = cells(&mut a);
-        let whole = SkinJob {
-            positions: output(a, 6),
-            normals: output(&a[3..], 6),
-            tangents: output(cells(&mut b), 4),
-            ..job(skin, &palette)
-        };
+        let whole = SkinJob::new(skin, &palette)
+            .positions(Output::shared(a, 6))
+            .normals(Output::shared(&a[3..], 6))
+            .tangents(Output::new(&mut b, 4));
         whole.run().unwrap();
-        let rest = Rest { positions: Some(&positions), ..Rest::default() };
-        SkinJob { remap: Some(&remap), rest, ..whole }.run().unwrap();
+        whole.remap(&remap).rest_positions(&positions).run().unwrap();
         assert!(Model::from_bytes(&bytes[1..]).is_err());
     });
     assert_eq!(count, 0);
@@ -79,15 +79,15 @@ fn evaluate(predictor: Predictor, shape: Shape) {
 fn kernels_allocate_nothing() {
     let bytes = Pieces::kernels(&[KernelContent::every(Kernel::Matern52)]).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let map = model.kernel().unwrap();
+    let map = model.first::<KernelMap>().unwrap();
     let (counts, query) = (map.counts(), vec![0.5; map.query_len()]);
     let lens = [counts.scratch_len(), counts.jacobian_scratch_len(), counts.variance_scratch_len()];
     let mut scratch = vec![0.0; lens.into_iter().max().unwrap()];
     let (mut out, mut jacobian, mut variances) = (vec![0.0; 10], vec![0.0; 24 * 9], vec![0.0; 9]);
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
-        let map = model.kernel_named("every").unwrap();
-        let map = map.layout().open(&bytes).unwrap();
+        let map = model.named::<KernelMap>("every").unwrap();
+        let map = map.layout().open::<KernelMap>(&bytes).unwrap();
         assert!(map.evaluate(&query, &mut scratch, &mut out).unwrap().is_finite());
         map.jacobian(&query, &mut scratch, &mut jacobian).unwrap();
         map.variance(&query, &mut scratch, &mut variances).unwrap();
@@ -100,12 +100,13 @@ fn kernels_allocate_nothing() {
 fn pins_allocate_nothing() {
     let bytes = Pieces::face().bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let (prior, skin) = (model.prior().unwrap(), model.skin().unwrap());
+    let (prior, skin) = (model.first::<Prior>().unwrap(), model.first::<Skin>().unwrap());
     let mut scratch = vec![0.0; prior.counts().pin_scratch_len(12)];
     let mut weights = vec![0.5; 8];
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
-        let prior = model.prior_named("prior").unwrap().layout().open(&bytes).unwrap();
+        let prior = model.named::<Prior>("prior").unwrap().layout();
+        let prior = prior.open::<Prior>(&bytes).unwrap();
         let skin = model.skin_of(&prior).unwrap();
         let mut pins = Pins::<4>::new();
         for vertex in 0..4 {
@@ -127,27 +128,23 @@ fn shapes_allocate_nothing() {
     let [pieces, ..] = Pieces::shaped();
     let bytes = pieces.bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let (weights, palette) =
         (vec![0.5; skin.shape_len()], vec![common::IDENTITY; skin.palette_len()]);
     let mut out = vec![0.0; 10 * skin.vertex_len()];
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         assert_eq!(skin.shape_name(2), Some("shape 2"));
         assert!(skin.deltas_of(7).count() > 0);
         skin.shaped_bounds(&palette, &weights).unwrap();
         let out = cells(&mut out);
-        ShapesJob {
-            skin,
-            weights: &weights,
-            vertices: 0..skin.vertex_len(),
-            positions: output(out, 10),
-            normals: output(&out[3..], 10),
-            tangents: output(&out[6..], 10),
-        }
-        .run()
-        .unwrap();
+        ShapesJob::new(skin, &weights)
+            .positions(Output::shared(out, 10))
+            .normals(Output::shared(&out[3..], 10))
+            .tangents(Output::shared(&out[6..], 10))
+            .run()
+            .unwrap();
     });
     assert_eq!(count, 0);
 }
@@ -167,11 +164,12 @@ fn views_allocate_nothing() {
     let (mut group, mut clips) = (vec![[0; 4]; 48 * 40], vec![0; 48 * 40]);
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
-        let views = model.views_named("object").unwrap().layout().open(&bytes).unwrap();
+        let views = model.named::<Views>("object").unwrap().layout();
+        let views = views.open::<Views>(&bytes).unwrap();
         let map = model.map_of(&views, 0).unwrap();
         let (points, visibility, scores) = (&mut points, &mut visibility, &mut scores);
-        let out = Frame { points, visibility, scores, layers: &mut layers };
-        FrameJob { views, map, parameters: &[0.25, 0.5] }.run(&mut scratch, out).unwrap();
+        let mut out = Frame { points, visibility, scores, layers: &mut layers };
+        FrameJob { views, map, parameters: &[0.25, 0.5] }.run(&mut scratch, &mut out).unwrap();
         let layers = &layers;
         let job = RenderJob { views, points, visibility, scores, layers, width: 48 };
         let (vertices, order) = (&mut vertices, &mut [0; 9]);

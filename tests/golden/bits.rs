@@ -23,7 +23,7 @@ pub(crate) use rng::Rng;
 #[cfg(feature = "shapes")]
 use sinew_runtime::ShapesJob;
 use sinew_runtime::envelope::{Predictor, STRAIN_LEN};
-use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{
     CallError, Envelope, LocalTransform, Matrix3x4, Skin, SkinJob, model_space_pose, stages,
 };
@@ -363,39 +363,36 @@ fn frame(
     found.faded += usize::from(confidence > 0.0 && confidence < 1.0);
     let vertices = cut(&mut memory.skin, 10 * v);
     vertices.fill(0.0);
-    let lent = cells(vertices);
-    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     #[cfg(not(feature = "shapes"))]
     let _ = shaped;
     #[cfg(feature = "shapes")]
     if skin.shape_len() > 0 {
         let weights = cut(&mut memory.weights, skin.shape_len());
-        let (positions, normals) = (attribute(0), attribute(3));
-        let tangents = attribute(6).filter(|_| skin.has_tangents());
-        ShapesJob { skin, weights, vertices: 0..v, positions, normals, tangents }.run()?;
-        lent.iter().for_each(|x| add(shaped, &[x.get()]));
+        let [positions, normals, tangents] = Output::interleaved(vertices, 10, [0, 3, 6]);
+        ShapesJob::new(skin, weights)
+            .positions(positions)
+            .normals(normals)
+            .tangents(Some(tangents).filter(|_| skin.has_tangents()))
+            .run()?;
+        vertices.iter().for_each(|x| add(shaped, &[*x]));
         if let Some(bounds) = skin.shaped_bounds(palette, weights)? {
             add(shaped, &bounds.min);
             add(shaped, &bounds.max);
         }
-        lent.iter().for_each(|x| x.set(0.0));
+        vertices.fill(0.0);
     }
-    let job = SkinJob {
-        skin,
-        palette,
-        vertices: 0..v,
-        remap: None,
-        rest: Rest::default(),
-        positions: attribute(0),
-        normals: attribute(3),
-        tangents: attribute(6).filter(|_| skin.has_tangents()),
-    };
     if skin.has_coefficients() {
         // Without tangents, vertices are skinned side by side (SIMD).
-        SkinJob { tangents: None, ..job.clone() }.run()?;
-        lent.iter().for_each(|x| add(skinned, &[x.get()]));
+        let [positions, normals] = Output::interleaved(vertices, 10, [0, 3]);
+        SkinJob::new(skin, palette).positions(positions).normals(normals).run()?;
+        vertices.iter().for_each(|x| add(skinned, &[*x]));
     }
-    job.run()?;
+    let [positions, normals, tangents] = Output::interleaved(vertices, 10, [0, 3, 6]);
+    SkinJob::new(skin, palette)
+        .positions(positions)
+        .normals(normals)
+        .tangents(Some(tangents).filter(|_| skin.has_tangents()))
+        .run()?;
     found.finite &= vertices.iter().all(|x| x.is_finite());
     add(skinned, vertices);
     if let Some(bounds) = skin.bounds(palette, 0.0)? {

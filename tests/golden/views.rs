@@ -44,13 +44,14 @@ pub(crate) fn hash(
     for map in (0..map_len as usize).filter_map(|map| model.map_of(&views, map)) {
         for _ in 0..FRAMES {
             let parameters = [(); 2].map(|()| 1.5 * rng.unit() + nudge);
-            let frame = Frame {
+            let mut frame = Frame {
                 points: &mut points,
                 visibility: &mut visibility,
                 scores: &mut scores,
                 layers: &mut layers,
             };
-            let found = FrameJob { views, map, parameters: &parameters }.run(scratch, frame)?;
+            let found =
+                FrameJob { views, map, parameters: &parameters }.run(scratch, &mut frame)?;
             for numbers in [points.as_flattened(), &visibility, &scores, layers.as_flattened()] {
                 add(&mut hash, numbers);
             }

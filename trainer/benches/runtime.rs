@@ -7,8 +7,8 @@
 //! in an engine without SIMD.
 
 use faer::Mat;
-use sinew_runtime::envelope::{Certificate, GroupKernel, Level, Predictor};
-use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::envelope::{Certificate, GroupKernel, Predictor};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin, SkinJob};
 use sinew_trainer::envelope::model::{EnvelopeModel, FeatureOrder, FileModel, Group, Input};
 use sinew_trainer::envelope::s3::ProxyCount;
@@ -37,8 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let examples =
         demo(&DemoOptions { vertices: 10_000, poses: 60, held_out: 10, ..DemoOptions::default() });
     let model = Model::from_bytes(trained(&examples, Predictor::Rotational, 40)?)?;
-    let envelope = model.envelope().ok_or("no envelope")?;
-    let skin = model.skin().ok_or("no skin")?;
+    let envelope = model.first::<Envelope>().ok_or("no envelope")?;
+    let skin = model.first::<Skin>().ok_or("no skin")?;
     let vertices = skin.vertex_len();
     let pose = posed(&examples, 65);
     let mut scratch = vec![0.0; envelope.scratch_len()];
@@ -102,7 +102,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         if path.exists() {
             let examples = npz::load(&path)?.examples;
             let model = Model::from_bytes(trained(&examples, Predictor::Kernel, proxies)?)?;
-            let envelope = model.envelope().ok_or("no envelope")?;
+            let envelope = model.first::<Envelope>().ok_or("no envelope")?;
             let frame = *examples.frames_of(Split::HeldOut).first().ok_or("nothing held out")?;
             let pose = posed(&examples, frame);
             let curves: Vec<f32> = examples.curves_of(frame).iter().map(|x| *x as f32).collect();
@@ -130,7 +130,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Prints the cost of a model's skins at rest; the cost does not depend on the pose.
 fn skins(model: &Model<Vec<u8>>) -> Result<(), Box<dyn Error>> {
-    for skin in model.skins() {
+    for skin in model.all::<Skin>() {
         let identity = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
         let palette = vec![identity; skin.palette_len()];
         let vertices = skin.vertex_len();
@@ -165,17 +165,10 @@ fn positions_and_normals(
     out_positions: &mut [f32],
     out_normals: &mut [f32],
 ) -> Result<(), CallError> {
-    SkinJob {
-        skin,
-        palette,
-        vertices: 0..skin.vertex_len(),
-        remap: None,
-        rest: Rest::default(),
-        positions: Some(Output { floats: cells(out_positions), stride: 3 }),
-        normals: Some(Output { floats: cells(out_normals), stride: 3 }),
-        tangents: None,
-    }
-    .run()
+    SkinJob::new(skin, palette)
+        .positions(Output::new(out_positions, 3))
+        .normals(Output::new(out_normals, 3))
+        .run()
 }
 
 /// Trains a model and returns its file.
@@ -254,7 +247,7 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
     };
     let file = FileModel { envelopes: vec![envelope], ..FileModel::default() };
     let model = Model::from_bytes(file.bake()?)?;
-    let envelope = model.envelope().ok_or("no envelope")?;
+    let envelope = model.first::<Envelope>().ok_or("no envelope")?;
     let turned = |j: usize| {
         let (sin, cos) = (0.1 * number(j) as f32).sin_cos();
         [[cos, -sin, 0.0, 0.1], [sin, cos, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
@@ -290,7 +283,7 @@ fn joints_seconds(
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     let seconds = seconds_of(|| {
         let pose = black_box(pose);
-        envelope.palette_at(Level::Joints, pose, curves, &mut scratch, &mut palette).map(|_| ())
+        envelope.base_palette(pose, curves, &mut scratch, &mut palette).map(|_| ())
     })?;
     black_box(&palette);
     Ok(seconds)

@@ -6,9 +6,9 @@
 use anyhow::Context;
 use fast_image_resize::images::Image as Pixels;
 use fast_image_resize::{FilterType, PixelType, ResizeAlg, ResizeOptions, Resizer};
-use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::Space;
+use sinew_runtime::{Filter, Model};
 use sinew_trainer::bake::bake;
 use sinew_trainer::signal::choose::{TAPS, of_images};
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample};
@@ -44,7 +44,7 @@ fn main() -> anyhow::Result<()> {
     let model = FilterModel { name: "image".to_owned(), filter, variance: 1.0, fit: None };
     let file = bake(Space::default(), &[part(&model, false)?])?;
     let file = Model::from_bytes(&file)?;
-    let filter = file.filter().context("no filter")?;
+    let filter = file.first::<Filter>().context("no filter")?;
     let narrow: Vec<f32> = bytes.iter().map(|byte| f32::from(*byte)).collect();
     let (mut tall, mut fine) = (vec![0.0; 2 * narrow.len()], vec![0.0; 4 * narrow.len()]);
     let columns = Samples { signal_len: 1, sample_len: SIDE, lane_len: SIDE * CHANNELS };

@@ -213,7 +213,7 @@ fn loaded(vertices: usize) -> Result<Model<Vec<u8>>> {
 }
 
 fn parts(model: &Model<Vec<u8>>) -> Result<(Envelope<'_>, Skin<'_>)> {
-    Ok((model.envelope().ok_or("no envelope")?, model.skin().ok_or("no skin")?))
+    Ok((model.first::<Envelope>().ok_or("no envelope")?, model.first::<Skin>().ok_or("no skin")?))
 }
 
 /// Uploads a batch of instances at rest.

@@ -3,7 +3,7 @@
 use crate::Result;
 use sinew_gpu::layout::{Batch, DeviceLimits, Plan, SkinBatch};
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, model_space_pose};
+use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
@@ -52,7 +52,7 @@ impl Scene {
         let model = Model::from_bytes(train(&examples, &options, &Silent)?.model)?;
         let indices = examples.triangles.as_flattened().iter().map(|index| *index as u32).collect();
         let mut poses = Vec::new();
-        let envelope = model.envelope().ok_or("no envelope")?;
+        let envelope = model.first::<Envelope>().ok_or("no envelope")?;
         for n in 0..INSTANCES {
             let pose = pose(&envelope, n as f32 / (INSTANCES - 1) as f32)?;
             let (row, column) = (n / COLUMNS, n % COLUMNS);
@@ -65,8 +65,8 @@ impl Scene {
     /// Plans all instances' palettes. No stage skins a vertex, but the params tell the host's
     /// shader the places of the skin's arrays.
     pub(crate) fn plan(&self, limits: &DeviceLimits) -> Result<Plan> {
-        let envelope = self.model.envelope().ok_or("no envelope")?;
-        let skin = self.model.skin().ok_or("no skin")?;
+        let envelope = self.model.first::<Envelope>().ok_or("no envelope")?;
+        let skin = self.model.first::<Skin>().ok_or("no skin")?;
         let skin = Some(SkinBatch { vertices: 0..0, ..SkinBatch::new(&skin) });
         let batch = Batch { confidences: None, skin, ..Batch::palettes(&envelope, INSTANCES) };
         Ok(Plan::new(&self.model, &envelope, &batch, limits)?)

@@ -9,8 +9,7 @@ use super::resource::{Array, Attribute, Resource};
 use super::stage::Stage;
 use sinew_runtime::envelope::ScratchLayout;
 use sinew_runtime::format::{PartKind, SectionKind};
-use sinew_runtime::skin::SkinLayout;
-use sinew_runtime::{Envelope, Model, Skin};
+use sinew_runtime::{Envelope, Model, PartLayout, Skin};
 use std::ops::Range;
 
 /// Instances of one model, and the places of their arrays in the host's buffers.
@@ -40,7 +39,7 @@ pub struct Batch {
 #[derive(Clone, Debug)]
 pub struct SkinBatch {
     /// [`Skin::layout`] of a skin that follows the batch's envelope.
-    pub skin: SkinLayout,
+    pub skin: PartLayout,
     /// Vertices of the remap, or of the skin if there is no remap. No stage skins an empty range,
     /// but [`Resource::Params`] still tells the host's own shader the places of the skin's arrays.
     pub vertices: Range<usize>,
@@ -291,7 +290,7 @@ fn check<'a>(
         check_stride(Resource::Confidences, 1, array.stride)?;
     }
     let Some(own) = &batch.skin else { return Ok(None) };
-    let skin = own.skin.open(model.as_bytes());
+    let skin = own.skin.open::<Skin>(model.as_bytes());
     let skin = skin.ok_or(LayoutError::OtherFile { part: PartKind::Skin })?;
     let (expected, found) = (envelope.part(), skin.envelope_part());
     if found != Some(expected) {

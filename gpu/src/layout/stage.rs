@@ -54,13 +54,13 @@ impl Binding {
 
 macro_rules! wgsl {
     ($($stem:literal),*) => {
-        concat!($(include_str!(concat!("../../../shaders/", $stem, ".wgsl"))),*)
+        concat!($(include_str!(concat!("../../shaders/", $stem, ".wgsl"))),*)
     };
 }
 
 macro_rules! spirv {
     ($stem:literal) => {
-        include_bytes!(concat!("../../../shaders/spirv/", $stem, ".spv"))
+        include_bytes!(concat!("../../shaders/spirv/", $stem, ".spv"))
     };
 }
 

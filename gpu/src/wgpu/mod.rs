@@ -41,13 +41,14 @@
 //! ```no_run
 //! use sinew_gpu::layout::{Batch, Plan, Resource};
 //! use sinew_gpu::wgpu::{Bound, Buffers, Pipelines, limits};
+//! use sinew_runtime::{Envelope, Model, Skin};
 //! use wgpu::{BufferDescriptor, BufferUsages};
 //!
 //! # fn frame(device: wgpu::Device, queue: wgpu::Queue, file: &[u8], poses: &[u8])
 //! # -> Result<(), Box<dyn std::error::Error>> {
-//! let model = sinew_runtime::Model::from_bytes(file)?;
-//! let envelope = model.envelope().ok_or("no envelope")?;
-//! let skin = model.skin().ok_or("no skin")?;
+//! let model = Model::from_bytes(file)?;
+//! let envelope = model.first::<Envelope>().ok_or("no envelope")?;
+//! let skin = model.first::<Skin>().ok_or("no skin")?;
 //!
 //! // Once.
 //! let batch = Batch::skinned(&envelope, &skin, 64);

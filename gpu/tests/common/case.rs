@@ -1,10 +1,10 @@
 //! A batch on a device, compared bit by bit with the CPU's results. Both APIs use this code.
 
 use super::{Pose, load, parts, poses};
-use models::Rng;
+use models::{Rest, Rng, cells};
 use sinew_gpu::headless::{Device, Uploaded};
 use sinew_gpu::layout::{Array, Attribute, Batch, DeviceLimits, Plan, Resource, SkinBatch};
-use sinew_runtime::skin::{self, Output, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{Envelope, Skin, SkinJob};
 
 /// Initial content of buffers: a NaN that no stage computes.
@@ -159,7 +159,7 @@ fn evaluate(
         let out = cells(out);
         let output = |attribute: Option<Attribute>| {
             let Attribute { offset, stride, instance_stride } = attribute?;
-            Some(Output { floats: &out[offset + n * instance_stride..], stride })
+            Some(Output::shared(&out[offset + n * instance_stride..], stride))
         };
         let host_array = |array: Option<Array>, len: usize| {
             let Array { offset, stride } = array?;
@@ -171,21 +171,20 @@ fn evaluate(
         let remap = host_array(own.remap, own.vertices.end);
         let remap: Option<Vec<u32>> =
             remap.map(|remap| remap.iter().map(|index| index.to_bits().min(last)).collect());
-        SkinJob {
-            skin: *skin,
-            palette: &palette,
-            vertices: own.vertices.clone(),
-            remap: remap.as_deref(),
-            rest: skin::Rest {
-                positions: host_array(own.rest.positions, 3 * v).map(|floats| floats.as_chunks().0),
-                normals: host_array(own.rest.normals, 3 * v).map(|floats| floats.as_chunks().0),
-                tangents: host_array(own.rest.tangents, 4 * v).map(|floats| floats.as_chunks().0),
-            },
-            positions: output(own.positions),
-            normals: output(own.normals),
-            tangents: output(own.tangents),
+        let rest = Rest {
+            positions: host_array(own.rest.positions, 3 * v).map(|floats| floats.as_chunks().0),
+            normals: host_array(own.rest.normals, 3 * v).map(|floats| floats.as_chunks().0),
+            tangents: host_array(own.rest.tangents, 4 * v).map(|floats| floats.as_chunks().0),
+        };
+        let mut job = rest.of(SkinJob::new(*skin, &palette));
+        if let Some(remap) = &remap {
+            job = job.remap(remap);
         }
-        .run()
-        .unwrap();
+        job.vertices(own.vertices.clone())
+            .positions(output(own.positions))
+            .normals(output(own.normals))
+            .tangents(output(own.tangents))
+            .run()
+            .unwrap();
     }
 }

@@ -24,7 +24,7 @@ impl KernelCase<'_> {
         let (differ, chunks) = self.differing(device, bytes, &queries, |_| {});
         let (content, rule) = (self.content, self.content.rule);
         let model = load(bytes);
-        let kernel = model.kernel_named(&content.name).unwrap();
+        let kernel = model.named::<KernelMap>(&content.name).unwrap();
         let is_sound = |query: &&Vec<f32>| {
             evaluate(&kernel, query, &mut vec![0.0; kernel.result_len()]).is_some()
         };
@@ -49,7 +49,7 @@ impl KernelCase<'_> {
     ) -> (usize, usize) {
         let Self { batch, limits, instance_len, content } = *self;
         let model = load(bytes);
-        let kernel = model.kernel_named(&content.name).unwrap();
+        let kernel = model.named::<KernelMap>(&content.name).unwrap();
         let plan = Plan::of_kernel(&model, &kernel, batch, limits).unwrap();
         let mut uploaded = device.upload(model.blob(), &plan).unwrap();
         let poisoned = |resource| vec![POISON; plan.bytes(resource) as usize / 4];
@@ -199,7 +199,7 @@ pub(crate) fn every_kernel_has_the_cpus_bits(device: &dyn Device) {
         let bytes = Pieces::kernels(contents).bytes();
         let model = load(&bytes);
         for content in contents {
-            let kernel = model.kernel_named(&content.name).unwrap();
+            let kernel = model.named::<KernelMap>(&content.name).unwrap();
             let batch = &KernelBatch::new(&kernel, 61);
             KernelCase { content, batch, limits, instance_len: 61 }.check(device, &bytes);
         }
@@ -213,7 +213,7 @@ pub(crate) fn odd_queries_have_the_cpus_bits(device: &dyn Device) {
         let content = &content;
         let bytes = Pieces::kernels(std::slice::from_ref(content)).bytes();
         let model = load(&bytes);
-        let kernel = model.kernel().unwrap();
+        let kernel = model.first::<KernelMap>().unwrap();
         let whole = odd_batch(&kernel, 200);
         let storage_binding_bytes = model.blob().len().next_multiple_of(4) as u64;
         for batch in [
@@ -257,7 +257,7 @@ pub(crate) fn past_65535_queries(device: &dyn Device) {
     let content = &KernelContent::servo();
     let bytes = Pieces::kernels(std::slice::from_ref(content)).bytes();
     let model = load(&bytes);
-    let batch = &odd_batch(&model.kernel().unwrap(), INSTANCES);
+    let batch = &odd_batch(&model.first::<KernelMap>().unwrap(), INSTANCES);
     let limits = &device.limits();
     let case = KernelCase { content, batch, limits, instance_len: INSTANCES - 5 };
     assert!(case.check(device, &bytes) > 1);
@@ -270,7 +270,7 @@ pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
     let content = &KernelContent::every(Kernel::Gaussian);
     let bytes = Pieces::kernels(std::slice::from_ref(content)).bytes();
     let model = load(&bytes);
-    let kernel = model.kernel().unwrap();
+    let kernel = model.first::<KernelMap>().unwrap();
     let batch = &KernelBatch::new(&kernel, 3);
     let limits = &device.limits();
     let case = KernelCase { content, batch, limits, instance_len: 3 };
@@ -301,7 +301,7 @@ pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
     let content = &KernelContent::plain(Kernel::Gaussian, [3, 5, 2]);
     let bytes = Pieces::kernels(std::slice::from_ref(content)).bytes();
     let model = load(&bytes);
-    let batch = &KernelBatch::new(&model.kernel().unwrap(), 1);
+    let batch = &KernelBatch::new(&model.first::<KernelMap>().unwrap(), 1);
     let case = KernelCase { content, batch, limits, instance_len: 1 };
     for wrong in wrong {
         assert!(is_marked(&case, device, &bytes, &[0.1, wrong, 0.2]), "{wrong}");
@@ -312,7 +312,7 @@ pub(crate) fn a_query_that_is_wrong_is_seen(device: &dyn Device) {
 /// Whether the device and the CPU refuse a query; asserts that they agree.
 fn is_marked(case: &KernelCase<'_>, device: &dyn Device, bytes: &[u8], query: &[f32]) -> bool {
     let model = load(bytes);
-    let kernel = model.kernel().unwrap();
+    let kernel = model.first::<KernelMap>().unwrap();
     let plan = Plan::of_kernel(&model, &kernel, case.batch, case.limits).unwrap();
     let mut uploaded = device.upload(model.blob(), &plan).unwrap();
     uploaded.write(Resource::Queries, 0, query).unwrap();

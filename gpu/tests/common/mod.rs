@@ -17,14 +17,16 @@ use sinew_gpu::layout::{
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
+use sinew_runtime::{
+    Envelope, Filter, KernelMap, LocalTransform, Matrix3x4, Model, Skin, model_space_pose,
+};
 
 pub(crate) fn load(bytes: &[u8]) -> Model<&[u8]> {
     Model::from_bytes(bytes).unwrap()
 }
 
 pub(crate) fn parts<'a>(model: &'a Model<&[u8]>) -> (Envelope<'a>, Skin<'a>) {
-    (model.envelope().unwrap(), model.skin().unwrap())
+    (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap())
 }
 
 /// Lists the golden models with a skin: of both predictors, with tangent coefficients, and with
@@ -166,7 +168,7 @@ pub(crate) fn kernel_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
     let content = KernelContent::every(Kernel::Gaussian);
     let bytes = Pieces::kernels(&[content]).bytes();
     let model = load(&bytes);
-    let kernel = model.kernel().unwrap();
+    let kernel = model.first::<KernelMap>().unwrap();
     let plan = Plan::of_kernel(&model, &kernel, &KernelBatch::new(&kernel, 3), limits).unwrap();
     (plan, model.blob().to_vec())
 }
@@ -176,7 +178,7 @@ pub(crate) fn shapes_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
     let [.., face] = Pieces::shaped();
     let bytes = face.bytes();
     let model = load(&bytes);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let plan = Plan::of_shapes(&model, &skin, &ShapesBatch::new(&skin, 3), limits).unwrap();
     (plan, model.blob().to_vec())
 }
@@ -185,7 +187,7 @@ pub(crate) fn shapes_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
 pub(crate) fn filter_plan(limits: &DeviceLimits) -> (Plan, Vec<u8>) {
     let bytes = Pieces::filter(&FilterContent::sample(2, 5)).bytes();
     let model = load(&bytes);
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     let samples = Samples { signal_len: 3, sample_len: 9, lane_len: 2 };
     let batch = FilterBatch::new(&filter, samples);
     let plan = Plan::of_filter(&model, &filter, &batch, limits).unwrap();

@@ -5,6 +5,7 @@ use models::{FilterContent, Pieces};
 use sinew_gpu::layout::{
     Array, DeviceLimits, FilterBatch, LayoutError, Plan, Resource, Span, Stage,
 };
+use sinew_runtime::Filter;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::{PartKind, SectionKind};
 
@@ -19,7 +20,7 @@ fn file() -> Vec<u8> {
 fn a_thread_is_a_number() {
     let bytes = file();
     let model = load(&bytes);
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     for (sample_len, lane_len, workgroups) in [(32, 1, 1), (33, 1, 2), (5, 64, 10), (32, 3, 3)] {
         let samples = Samples { sample_len, lane_len, ..SAMPLES };
         let batch = FilterBatch::new(&filter, samples);
@@ -37,7 +38,7 @@ fn a_thread_is_a_number() {
 fn counts_and_sections_are_those_of_the_filter() {
     let bytes = file();
     let model = load(&bytes);
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     let batch = FilterBatch::new(&filter, SAMPLES);
     let plan = Plan::of_filter(&model, &filter, &batch, &LIMITS).unwrap();
     let params = plan.chunks()[0].params();
@@ -54,7 +55,7 @@ fn counts_and_sections_are_those_of_the_filter() {
 fn chunks_keep_the_places_of_the_whole_batch() {
     let bytes = file();
     let model = load(&bytes);
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     let samples = Samples { signal_len: 300, ..SAMPLES };
     let new = FilterBatch::new(&filter, samples);
     let batch = FilterBatch { outputs: Array { offset: 3, stride: 200 }, ..new };
@@ -83,7 +84,7 @@ fn chunks_keep_the_places_of_the_whole_batch() {
 fn a_batch_that_does_not_fit_the_filter_is_refused() {
     let bytes = file();
     let model = load(&bytes);
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     let new = FilterBatch::new(&filter, SAMPLES);
     let refused = |batch: &FilterBatch, limits: &DeviceLimits| {
         Plan::of_filter(&model, &filter, batch, limits).unwrap_err()

@@ -22,7 +22,7 @@ fn file() -> Vec<u8> {
 fn one_stage_has_a_workgroup_a_query() {
     let bytes = file();
     let model = load(&bytes);
-    let kernel = model.kernel_named("every").unwrap();
+    let kernel = model.named::<KernelMap>("every").unwrap();
     for instance_len in [1, 65_535, 65_536, 200_000] {
         let batch = KernelBatch::new(&kernel, instance_len);
         let plan = Plan::of_kernel(&model, &kernel, &batch, &LIMITS).unwrap();
@@ -45,7 +45,7 @@ fn one_stage_has_a_workgroup_a_query() {
 fn chunks_keep_the_places_of_the_whole_batch() {
     let bytes = file();
     let model = load(&bytes);
-    let kernel = model.kernel_named("every").unwrap();
+    let kernel = model.named::<KernelMap>("every").unwrap();
     let batch = odd_batch(&kernel, 500);
     let whole = Plan::of_kernel(&model, &kernel, &batch, &LIMITS).unwrap();
     assert_eq!(whole.chunks().len(), 1);
@@ -86,7 +86,7 @@ fn chunks_keep_the_places_of_the_whole_batch() {
 fn counts_and_sections_are_those_of_the_kernel() {
     let bytes = file();
     let model = load(&bytes);
-    for (part, kernel) in model.kernels().enumerate() {
+    for (part, kernel) in model.all::<KernelMap>().enumerate() {
         let batch = KernelBatch { confidences: None, ..KernelBatch::new(&kernel, 2) };
         let plan = Plan::of_kernel(&model, &kernel, &batch, &LIMITS).unwrap();
         let params = plan.chunks()[0].params();
@@ -117,7 +117,7 @@ fn counts_and_sections_are_those_of_the_kernel() {
 fn a_batch_that_does_not_fit_the_kernel_is_refused() {
     let bytes = file();
     let model = load(&bytes);
-    let kernel = model.kernel_named("every").unwrap();
+    let kernel = model.named::<KernelMap>("every").unwrap();
     let other = Pieces::kernels(&[KernelContent::servo()]).bytes();
     let other = load(&other);
     let planned =
@@ -128,7 +128,7 @@ fn a_batch_that_does_not_fit_the_kernel_is_refused() {
         };
     let refused = |edit: &dyn Fn(&mut KernelBatch)| planned(&kernel, &LIMITS, edit).unwrap_err();
     assert_eq!(planned(&kernel, &LIMITS, &|_| {}), Ok(()));
-    let foreign = planned(&other.kernel().unwrap(), &LIMITS, &|_| {});
+    let foreign = planned(&other.first::<KernelMap>().unwrap(), &LIMITS, &|_| {});
     assert_eq!(foreign, Err(LayoutError::OtherFile { part: PartKind::Kernel }));
     assert_eq!(foreign.unwrap_err().to_string(), "the kernel is of another file than the model");
     assert_eq!(refused(&|b| b.instance_len = 0), LayoutError::NoInstances);

@@ -100,9 +100,9 @@ fn a_skin_that_follows_another_envelope_or_none_is_refused() {
     (none.name, none.envelope, none.influences) = ("none".to_owned(), None, Vec::new());
     content.skins.extend([second, none]);
     let model = Model::from_bytes(content.bake().unwrap()).unwrap();
-    let envelopes: Vec<_> = model.envelopes().collect();
+    let envelopes: Vec<_> = model.all::<Envelope>().collect();
     let planned = |envelope: usize, skin: &str| {
-        let skin = SkinBatch::new(&model.skin_named(skin).unwrap());
+        let skin = SkinBatch::new(&model.named::<Skin>(skin).unwrap());
         let batch = Batch { skin: Some(skin), ..Batch::palettes(&envelopes[envelope], 2) };
         Plan::new(&model, &envelopes[envelope], &batch, &DeviceLimits::DOWNLEVEL)
     };

@@ -20,7 +20,7 @@ fn files() -> [Vec<u8>; 2] {
 fn a_workgroup_is_a_block() {
     let [bytes, _] = files();
     let model = load(&bytes);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     for (vertices, blocks) in [(0..150, 3), (0..64, 1), (63..65, 2), (64..128, 1), (149..150, 1)] {
         let batch = ShapesBatch { vertices: vertices.clone(), ..ShapesBatch::new(&skin, 5) };
         let plan = Plan::of_shapes(&model, &skin, &batch, &LIMITS).unwrap();
@@ -37,7 +37,7 @@ fn a_workgroup_is_a_block() {
 fn counts_and_sections_are_those_of_the_skin() {
     let [bytes, _] = files();
     let model = load(&bytes);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let batch = ShapesBatch { vertices: 5..70, tangents: None, ..ShapesBatch::new(&skin, 2) };
     let plan = Plan::of_shapes(&model, &skin, &batch, &LIMITS).unwrap();
     let params = plan.chunks()[0].params();
@@ -58,7 +58,7 @@ fn counts_and_sections_are_those_of_the_skin() {
 fn chunks_keep_the_places_of_the_whole_batch() {
     let [bytes, _] = files();
     let model = load(&bytes);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let weights = Array { offset: 3, stride: skin.shape_len() + 1 };
     let batch = ShapesBatch { weights, ..ShapesBatch::new(&skin, 300) };
     let storage_binding_bytes = model.blob().len().next_multiple_of(4) as u64;
@@ -96,7 +96,7 @@ fn chunks_keep_the_places_of_the_whole_batch() {
 fn a_batch_that_does_not_fit_the_skin_is_refused() {
     let [bytes, other] = files();
     let (model, other) = (load(&bytes), load(&other));
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let planned = |skin: &Skin<'_>, edit: &dyn Fn(&mut ShapesBatch)| {
         let mut batch = ShapesBatch::new(skin, 4);
         edit(&mut batch);
@@ -104,7 +104,7 @@ fn a_batch_that_does_not_fit_the_skin_is_refused() {
     };
     let refused = |edit: &dyn Fn(&mut ShapesBatch)| planned(&skin, edit).unwrap_err();
     assert_eq!(planned(&skin, &|_| {}), Ok(()));
-    let foreign = planned(&other.skin().unwrap(), &|_| {});
+    let foreign = planned(&other.first::<Skin>().unwrap(), &|_| {});
     assert_eq!(foreign, Err(LayoutError::OtherFile { part: PartKind::Skin }));
     assert_eq!(refused(&|b| b.instance_len = 0), LayoutError::NoInstances);
     let nothing = refused(&|b| (b.positions, b.normals, b.tangents) = (None, None, None));
@@ -116,7 +116,7 @@ fn a_batch_that_does_not_fit_the_skin_is_refused() {
     let short = LayoutError::Stride { resource: Resource::Out, least: 3, found: 2 };
     assert_eq!(refused(&|b| b.normals.as_mut().unwrap().stride = 2), short);
     let any = Some(Attribute { offset: 0, stride: 4, instance_stride: 600 });
-    let plain = other.skin().unwrap();
+    let plain = other.first::<Skin>().unwrap();
     let batch = ShapesBatch { tangents: any, ..ShapesBatch::new(&plain, 4) };
     let tangents = Plan::of_shapes(&other, &plain, &batch, &LIMITS).map(drop);
     assert_eq!(tangents, Err(LayoutError::NoTangents));

@@ -5,6 +5,7 @@ use crate::wgpu::lavapipe;
 use sinew_gpu::headless::{Device as _, HeadlessError};
 use sinew_gpu::layout::{Batch, DeviceLimits, LayoutError, Plan, Resource, Stage};
 use sinew_gpu::wgpu::headless::Device;
+use std::process::Command;
 
 #[test]
 fn lavapipe_has_the_cpus_bits() {
@@ -121,4 +122,26 @@ fn past_65535_queries_nothing_else_is_written() {
 #[test]
 fn a_refused_query_has_confidence_nan() {
     kernels::a_query_that_is_wrong_is_seen(&lavapipe());
+}
+
+/// Lines of a host program that a reader takes in at once.
+const LINES: usize = 95;
+
+#[test]
+fn the_host_program_has_the_cpus_bits() {
+    let source =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/wgpu_headless.rs"));
+    let lines = source.unwrap().lines().count();
+    assert!(lines <= LINES, "{lines} lines");
+    // Cargo builds the examples with the tests.
+    let own = std::env::current_exe().unwrap();
+    let program = own.ancestors().nth(2).unwrap().join("examples/wgpu_headless");
+    let model = models::golden_path(models::GOLDEN_NAMES[1]);
+    let done = Command::new(&program).arg(model).arg("llvmpipe").output();
+    let done = done
+        .unwrap_or_else(|error| panic!("{}: {error}; build it with --examples", program.display()));
+    let out = String::from_utf8(done.stdout).unwrap();
+    let err = String::from_utf8_lossy(&done.stderr);
+    assert!(out.contains("\n0 floats differ from the CPU's\n"), "{out}{err}");
+    assert_eq!(out.lines().count(), 5, "{out}");
 }

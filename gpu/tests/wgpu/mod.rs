@@ -3,6 +3,7 @@
 mod allocations;
 mod bits;
 mod refusals;
+mod snippets;
 
 use crate::common::{
     GOLDEN_STRETCH, filter_plan, kernel_plan, load, parts, remapped_batch, shapes_plan,

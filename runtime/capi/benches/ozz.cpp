@@ -1,14 +1,16 @@
-// Compares skinning with ozz-animation's SkinningJob in one process on one core. Both skin one mesh with equal
-// influences. The runs alternate; the program prints the medians of 301 runs. trainer/COMPARE.md has the figures.
+// Compares skinning with ozz-animation's SkinningJob in one process on one core. Both skin one mesh
+// with equal influences. The runs alternate; the program prints the medians of 301 runs.
+// trainer/COMPARE.md has the figures.
 //
 //     git clone https://github.com/guillaumeblanc/ozz-animation ozz
 //     S="ozz/src/geometry/runtime/skinning_job.cc ozz/src/base/maths/simd_math.cc
 //        ozz/src/base/memory/allocator.cc ozz/src/base/log.cc"
-//     g++ -std=c++17 -O3 -DNDEBUG -Iozz/include -Iozz/src -Iruntime/capi/include runtime/capi/benches/ozz.cpp $S
+//     g++ -std=c++17 -O3 -DNDEBUG -Iozz/include -Iozz/src -Iruntime/capi/include
+//     runtime/capi/benches/ozz.cpp $S
 //         target/embed/libsinew_capi.a -o bench && ./bench MODEL
 //
-// Build the library as in capi/README.md. Use -march=x86-64-v3 and RUSTFLAGS="-C target-cpu=x86-64-v3" together, or
-// neither.
+// Build the library as in capi/README.md. Use -march=x86-64-v3 and RUSTFLAGS="-C
+// target-cpu=x86-64-v3" together, or neither.
 #include <sinew.hpp>
 
 #include <ozz/base/maths/simd_math.h>
@@ -26,8 +28,7 @@ namespace {
 constexpr int RUNS = 301;
 
 /// Returns the time of a call in nanoseconds.
-template <class Call> double timed(Call call)
-{
+template <class Call> double timed(Call call) {
     const auto start = std::chrono::steady_clock::now();
     if (!call()) {
         std::fprintf(stderr, "a call failed\n");
@@ -37,15 +38,13 @@ template <class Call> double timed(Call call)
     return taken.count();
 }
 
-double median(std::vector<double> all)
-{
+double median(std::vector<double> all) {
     std::nth_element(all.begin(), all.begin() + all.size() / 2, all.end());
     return all[all.size() / 2];
 }
 
 /// Makes a pose: rotates each joint about z, by an angle that depends on joint and run.
-void turn(std::vector<sinew_matrix> &pose, int run)
-{
+void turn(std::vector<sinew_matrix> &pose, int run) {
     for (std::size_t joint = 0; joint < pose.size(); joint++) {
         const float angle = 0.3f * std::sin(0.1f * float(run) + float(joint));
         const float c = std::cos(angle), s = std::sin(angle);
@@ -55,8 +54,7 @@ void turn(std::vector<sinew_matrix> &pose, int run)
 
 } // namespace
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
     std::ifstream file(argc > 1 ? argv[1] : "", std::ios::binary);
     sinew::Model model;
     sinew::Envelope envelope;
@@ -67,7 +65,8 @@ int main(int argc, char **argv)
         return 2;
     }
     const std::size_t v = skin.info().vertex_len, k = skin.info().influence_len;
-    std::vector<float> positions(3 * v), normals(3 * v), weights(v * k), own(3 * v), own_normals(3 * v);
+    std::vector<float> positions(3 * v), normals(3 * v), weights(v * k), own(3 * v),
+        own_normals(3 * v);
     std::vector<float> theirs(3 * v), their_normals(3 * v), given(v * (k - 1));
     std::vector<std::uint16_t> indices(v * k);
     sinew_error error;
@@ -113,23 +112,27 @@ int main(int argc, char **argv)
         for (std::size_t at = 0; at < matrices.size(); at++) {
             const auto &rows = character.palette()[at].rows;
             for (int c = 0; c < 4; c++) {
-                matrices[at].cols[c] =
-                    ozz::math::simd_float4::Load(rows[0][c], rows[1][c], rows[2][c], c == 3 ? 1.0f : 0.0f);
+                matrices[at].cols[c] = ozz::math::simd_float4::Load(
+                    rows[0][c], rows[1][c], rows[2][c], c == 3 ? 1.0f : 0.0f);
             }
         }
         skins.push_back(timed([&] { return !skin.run(job, character.palette()); }));
         ozz_skins.push_back(timed([&] { return their_job.Run(); }));
-        skins_normals.push_back(timed([&] { return !skin.run(with_normals, character.palette()); }));
+        skins_normals.push_back(
+            timed([&] { return !skin.run(with_normals, character.palette()); }));
         ozz_normals.push_back(timed([&] { return their_normals_job.Run(); }));
         for (std::size_t at = 0; at < own.size(); at++) {
             farthest = std::max(farthest, double(std::fabs(own[at] - theirs[at])));
         }
     }
     const auto vertex = [&](const std::vector<double> &all) { return median(all) / double(v); };
-    std::printf("%zu vertices, %zu influences, %zu joints, %zu transforms; positions differ by %.1e at most\n", v, k,
-                pose.size(), matrices.size(), farthest);
+    std::printf("%zu vertices, %zu influences, %zu joints, %zu transforms; positions differ by "
+                "%.1e at most\n",
+                v, k, pose.size(), matrices.size(), farthest);
     std::printf("palette                %8.2f us\n", median(palettes) / 1000.0);
-    std::printf("positions              %8.2f ns a vertex, ozz %.2f\n", vertex(skins), vertex(ozz_skins));
-    std::printf("positions and normals  %8.2f ns a vertex, ozz %.2f\n", vertex(skins_normals), vertex(ozz_normals));
+    std::printf("positions              %8.2f ns a vertex, ozz %.2f\n", vertex(skins),
+                vertex(ozz_skins));
+    std::printf("positions and normals  %8.2f ns a vertex, ozz %.2f\n", vertex(skins_normals),
+                vertex(ozz_normals));
     return 0;
 }

@@ -35,7 +35,11 @@
 /// Version of the ABI that this header describes. `sinew_abi_version` returns the library's version.
 ///
 /// The version grows when a function, a structure or the meaning of a number changes.
-#define SINEW_ABI_VERSION 10
+#define SINEW_ABI_VERSION 11
+
+/// Length of a `uintptr_t` array that can hold a part of any kind on every target:
+/// `uintptr_t memory[SINEW_PART_WORDS]`.
+#define SINEW_PART_WORDS 48
 
 /// Sentinel for "no part".
 #define SINEW_NO_PART UINT32_MAX
@@ -44,38 +48,14 @@
 /// `uintptr_t memory[SINEW_MODEL_WORDS]`.
 #define SINEW_MODEL_WORDS 192
 
-/// Length of a `uintptr_t` array that can hold an envelope on every target:
-/// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
-#define SINEW_ENVELOPE_WORDS 48
-
 /// Sentinel for "no joint", for example the root's parent.
 #define SINEW_NO_JOINT UINT32_MAX
 
 /// Entry of a joint map for a joint that the skeleton lacks. The joint moves with its parent.
 #define SINEW_FOLDED UINT32_MAX
 
-/// Length of a `uintptr_t` array that can hold a kernel on every target:
-/// `uintptr_t memory[SINEW_KERNEL_WORDS]`.
-#define SINEW_KERNEL_WORDS 48
-
-/// Length of a `uintptr_t` array that can hold a skin on every target:
-/// `uintptr_t memory[SINEW_SKIN_WORDS]`.
-#define SINEW_SKIN_WORDS 48
-
-/// Length of a `uintptr_t` array that can hold a filter on every target:
-/// `uintptr_t memory[SINEW_FILTER_WORDS]`.
-#define SINEW_FILTER_WORDS 48
-
-/// Length of a `uintptr_t` array that can hold a prior on every target:
-/// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
-#define SINEW_PRIOR_WORDS 48
-
 /// Maximum number of pins of a job.
 #define SINEW_PINS_MAX 64
-
-/// Length of a `uintptr_t` array that can hold views on every target:
-/// `uintptr_t memory[SINEW_VIEWS_WORDS]`.
-#define SINEW_VIEWS_WORDS 48
 
 /// Result of a call. From 1 to 49 the call is wrong, from 50 to 99 its pointers or handles are, from 100 on
 /// the file is.
@@ -317,8 +297,6 @@ enum sinew_argument
     SINEW_ARGUMENT_INDICES = 61,
     /// Weights of influences.
     SINEW_ARGUMENT_WEIGHTS = 62,
-    /// Evaluation order of the joints.
-    SINEW_ARGUMENT_ORDER = 63,
     /// Memory for a result.
     SINEW_ARGUMENT_RESULT = 64,
     /// Memory for a second result.
@@ -337,8 +315,8 @@ enum sinew_argument
     SINEW_ARGUMENT_MAP = 71,
     /// A filter.
     SINEW_ARGUMENT_FILTER = 72,
-    /// A level of evaluation.
-    SINEW_ARGUMENT_LEVEL = 73,
+    /// A kind of part.
+    SINEW_ARGUMENT_KIND = 73,
     /// Index of a curve.
     SINEW_ARGUMENT_CURVE = 74,
 };
@@ -464,24 +442,30 @@ typedef uint32_t sinew_pose_fault_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-/// How much of an envelope is evaluated.
-enum sinew_level
+/// A kind of part that `sinew_part_open` opens, with its number in the file.
+enum sinew_part_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : uint32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    /// The base without the correction. A kernel envelope starts from the joints, which cost almost
-    /// nothing. A rotational envelope starts from its reconstruction, which is the whole work.
-    /// `sinew_certificate.base_training_rms` is the error.
-    SINEW_LEVEL_JOINTS = 1,
-    /// Base and correction, as `sinew_envelope_palette` computes.
-    SINEW_LEVEL_FULL = 2,
+    /// A `sinew_envelope`.
+    SINEW_PART_KIND_ENVELOPE = 1,
+    /// A `sinew_skin`.
+    SINEW_PART_KIND_SKIN = 2,
+    /// A `sinew_kernel`.
+    SINEW_PART_KIND_KERNEL = 3,
+    /// A `sinew_prior`.
+    SINEW_PART_KIND_PRIOR = 4,
+    /// A `sinew_views`.
+    SINEW_PART_KIND_VIEWS = 5,
+    /// A `sinew_filter`.
+    SINEW_PART_KIND_FILTER = 6,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
-typedef enum sinew_level sinew_level;
+typedef enum sinew_part_kind sinew_part_kind;
 #else
-typedef uint32_t sinew_level;
+typedef uint32_t sinew_part_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -528,6 +512,27 @@ typedef struct sinew_skin sinew_skin;
 /// another file.
 typedef struct sinew_views sinew_views;
 
+/// Why a call failed, in numbers. A call writes the error only if its status is not `SINEW_STATUS_OK`.
+///
+/// The comment of each status lists which of the last three fields the status fills; the other fields are
+/// 0.
+typedef struct sinew_error {
+    /// Status that the call returned.
+    sinew_status status;
+    /// Argument that the error is about.
+    sinew_argument argument;
+    /// Part of the file, or `SINEW_NO_PART`.
+    uint32_t part;
+    /// Number of the section in FORMAT.md; 0 if the error is not about a section.
+    uint32_t section;
+    /// Index of the element.
+    size_t index;
+    /// Expected value: the exact value, the minimum or the maximum, as the status says.
+    size_t expected;
+    /// Value that was found.
+    size_t found;
+} sinew_error;
+
 /// Maximum counts of a file. The work of loading and evaluating depends only on these counts.
 typedef struct sinew_limits {
     /// Bytes of the file.
@@ -549,27 +554,6 @@ typedef struct sinew_limits {
     /// Curves of an envelope.
     uint32_t curves;
 } sinew_limits;
-
-/// Why a call failed, in numbers. A call writes the error only if its status is not `SINEW_STATUS_OK`.
-///
-/// The comment of each status lists which of the last three fields the status fills; the other fields are
-/// 0.
-typedef struct sinew_error {
-    /// Status that the call returned.
-    sinew_status status;
-    /// Argument that the error is about.
-    sinew_argument argument;
-    /// Part of the file, or `SINEW_NO_PART`.
-    uint32_t part;
-    /// Number of the section in FORMAT.md; 0 if the error is not about a section.
-    uint32_t section;
-    /// Index of the element.
-    size_t index;
-    /// Expected value: the exact value, the minimum or the maximum, as the status says.
-    size_t expected;
-    /// Value that was found.
-    size_t found;
-} sinew_error;
 
 /// Contents of a file, and the space of its numbers. Rest meshes, poses and results all use this space.
 typedef struct sinew_model_info {
@@ -611,7 +595,7 @@ typedef struct sinew_certificate {
     float lbs_training_rms;
     /// Largest displacement of a vertex by rounding of the correction; 0 without a correction.
     float correction_error;
-    /// RMS error of `SINEW_LEVEL_JOINTS` over vertices and training frames.
+    /// RMS error of `sinew_envelope_base_palette` over vertices and training frames.
     float base_training_rms;
     /// Forecast of the RMS error on an unseen clip; negative if training had one clip.
     float other_clip_rms;
@@ -702,6 +686,11 @@ typedef struct sinew_name {
     /// Length of the name in bytes.
     size_t name_len;
 } sinew_name;
+
+/// Changes a name of the caller before it is compared with the file's names: returns a part of `name`, or
+/// another name that stays valid during the call. For example it removes the prefix `mixamorig:`.
+typedef struct sinew_name (*sinew_rename)(struct sinew_name name,
+                                          void *user);
 
 /// Result of `sinew_envelope_bind`.
 typedef struct sinew_bound_joints {
@@ -872,8 +861,7 @@ typedef struct sinew_output {
     size_t stride;
 } sinew_output;
 
-/// Skins a range of vertices. Floats between attributes are left unchanged. If attributes overlap, the
-/// later field of this structure wins.
+/// Skins a range of vertices. Floats between attributes are left unchanged.
 typedef struct sinew_skin_job {
     /// The skin.
     const struct sinew_skin *skin;
@@ -1233,6 +1221,18 @@ const char *sinew_argument_text(uint32_t argument);
 /// pointer is never null and stays valid.
 const char *sinew_status_text(int32_t status);
 
+/// Writes an error as zero-terminated text: the argument, the meaning of the status, and the fields that the
+/// status fills, for example "pose: an array has the wrong length, expected 53, found 12".
+///
+/// - `error`: an error that a call wrote; null gives an empty text.
+/// - `out_text`, `text_len`: receives the text, cut off to `text_len` bytes with the zero; null and 0 if only
+///   the length is wanted.
+///
+/// Returns the length of the whole text in bytes, without the zero.
+size_t sinew_error_text(const struct sinew_error *error,
+                        char *out_text,
+                        size_t text_len);
+
 /// Returns the size of a model in bytes: at most `SINEW_MODEL_WORDS` words.
 size_t sinew_model_bytes(void);
 
@@ -1291,27 +1291,27 @@ sinew_status sinew_model_section(const struct sinew_model *model,
                                  struct sinew_section *out_section,
                                  struct sinew_error *out_error);
 
-/// Returns the size of an envelope in bytes: at most `SINEW_ENVELOPE_WORDS` words.
-size_t sinew_envelope_bytes(void);
+/// Returns the size of a part of any kind in bytes: at most `SINEW_PART_WORDS` words.
+size_t sinew_part_bytes(void);
 
-/// Opens an envelope of a model.
+/// Opens a part of a model: an envelope, a skin, a kernel, a prior, views or a filter.
 ///
-/// - `name`, `name_len`: the envelope's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the envelopes with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the envelope: at least `sinew_envelope_bytes()` bytes, aligned
-///   like a `uintptr_t`.
-/// - `out_envelope`: receives the handle, which equals `memory`.
+/// - `kind`: a `sinew_part_kind`.
+/// - `name`, `name_len`: the part's name in UTF-8, without a terminating zero; null and 0 match every name.
+/// - `index`: position among the parts of this kind with this name; 0 is the first.
+/// - `memory`, `memory_bytes`: memory for the part: at least `sinew_part_bytes()` bytes, aligned like a
+///   `uintptr_t`. After success its address is the handle, for example a `const sinew_skin *`.
 ///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-sinew_status sinew_envelope_open(const struct sinew_model *model,
-                                 const char *name,
-                                 size_t name_len,
-                                 size_t index,
-                                 void *memory,
-                                 size_t memory_bytes,
-                                 const struct sinew_envelope **out_envelope,
-                                 struct sinew_error *out_error);
+/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `OUT_OF_RANGE`,
+/// `NOT_FOUND`.
+sinew_status sinew_part_open(const struct sinew_model *model,
+                             uint32_t kind,
+                             const char *name,
+                             size_t name_len,
+                             size_t index,
+                             void *memory,
+                             size_t memory_bytes,
+                             struct sinew_error *out_error);
 
 /// Describes an envelope.
 ///
@@ -1334,16 +1334,6 @@ sinew_status sinew_envelope_joint(const struct sinew_envelope *envelope,
 sinew_status sinew_envelope_curve(const struct sinew_envelope *envelope,
                                   size_t curve,
                                   struct sinew_curve *out_curve,
-                                  struct sinew_error *out_error);
-
-/// Copies the indices of the J joints, each after its parent.
-///
-/// - `out_order`, `order_len`: room for J indices.
-///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
-sinew_status sinew_envelope_order(const struct sinew_envelope *envelope,
-                                  uint32_t *out_order,
-                                  size_t order_len,
                                   struct sinew_error *out_error);
 
 /// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that already
@@ -1389,25 +1379,25 @@ sinew_status sinew_envelope_palette(const struct sinew_envelope *envelope,
                                     float *out_confidence,
                                     struct sinew_error *out_error);
 
-/// Computes the palette of `sinew_envelope_palette` at a level of evaluation, with the arguments of that
-/// call.
+/// Computes the base of the palette, for a character that is far away: `sinew_envelope_palette` without the
+/// correction, with the arguments of that call.
 ///
-/// - `level`: a `sinew_level`.
+/// The base of a kernel envelope is its joints, which cost almost nothing. The base of a rotational envelope
+/// is its reconstruction, which is the whole work. `sinew_certificate.base_training_rms` is the error.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `LENGTH`, `TOO_SHORT`,
-/// `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
-sinew_status sinew_envelope_palette_at(const struct sinew_envelope *envelope,
-                                       uint32_t level,
-                                       const struct sinew_matrix *pose,
-                                       size_t pose_len,
-                                       const float *curves,
-                                       size_t curves_len,
-                                       float *scratch,
-                                       size_t scratch_len,
-                                       struct sinew_matrix *out_palette,
-                                       size_t palette_len,
-                                       float *out_confidence,
-                                       struct sinew_error *out_error);
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
+sinew_status sinew_envelope_base_palette(const struct sinew_envelope *envelope,
+                                         const struct sinew_matrix *pose,
+                                         size_t pose_len,
+                                         const float *curves,
+                                         size_t curves_len,
+                                         float *scratch,
+                                         size_t scratch_len,
+                                         struct sinew_matrix *out_palette,
+                                         size_t palette_len,
+                                         float *out_confidence,
+                                         struct sinew_error *out_error);
 
 /// Computes the confidence of each joint in a pose, from the kernel maps that move its skin and from its
 /// trained range. The result shows which part of the skin the confidence of `sinew_envelope_palette` is
@@ -1487,6 +1477,8 @@ sinew_status sinew_envelope_rest_locals(const struct sinew_envelope *envelope,
 ///
 /// - `names`, `names_len`: names of the skeleton's joints, in its order; more or fewer than the file's. The
 ///   first of equal names counts.
+/// - `rename`, `user`: null, or a function that changes each name, called more than once for each name, and
+///   its second argument.
 /// - `out_map`, `map_len`: receives, for each of the J joints, the index of the skeleton's joint or
 ///   `SINEW_FOLDED`.
 /// - `out_bound`: null, or receives how many joints were found.
@@ -1496,6 +1488,8 @@ sinew_status sinew_envelope_rest_locals(const struct sinew_envelope *envelope,
 sinew_status sinew_envelope_bind(const struct sinew_envelope *envelope,
                                  const struct sinew_name *names,
                                  size_t names_len,
+                                 sinew_rename rename,
+                                 void *user,
                                  uint32_t *out_map,
                                  size_t map_len,
                                  struct sinew_bound_joints *out_bound,
@@ -1600,28 +1594,6 @@ sinew_status sinew_skeleton_hash(const struct sinew_name *names,
                                  uint32_t *out_hash,
                                  struct sinew_error *out_error);
 
-/// Returns the size of a kernel in bytes: at most `SINEW_KERNEL_WORDS` words.
-size_t sinew_kernel_bytes(void);
-
-/// Opens a kernel of a model.
-///
-/// - `name`, `name_len`: the kernel's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the kernels with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the kernel: at least `sinew_kernel_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_kernel`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-sinew_status sinew_kernel_open(const struct sinew_model *model,
-                               const char *name,
-                               size_t name_len,
-                               size_t index,
-                               void *memory,
-                               size_t memory_bytes,
-                               const struct sinew_kernel **out_kernel,
-                               struct sinew_error *out_error);
-
 /// Describes a kernel.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
@@ -1704,27 +1676,6 @@ sinew_status sinew_kernel_variance(const struct sinew_kernel *kernel,
                                    float *out_variances,
                                    size_t variances_len,
                                    struct sinew_error *out_error);
-
-/// Returns the size of a skin in bytes: at most `SINEW_SKIN_WORDS` words.
-size_t sinew_skin_bytes(void);
-
-/// Opens a skin of a model.
-///
-/// - `name`, `name_len`: the skin's name in UTF-8, without a terminating zero; null and 0 match every name.
-/// - `index`: position among the skins with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the skin: at least `sinew_skin_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_skin`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-sinew_status sinew_skin_open(const struct sinew_model *model,
-                             const char *name,
-                             size_t name_len,
-                             size_t index,
-                             void *memory,
-                             size_t memory_bytes,
-                             const struct sinew_skin **out_skin,
-                             struct sinew_error *out_error);
 
 /// Describes a skin.
 ///
@@ -1816,28 +1767,6 @@ sinew_status sinew_mesh_hash(const float *positions,
                              uint32_t *out_hash,
                              struct sinew_error *out_error);
 
-/// Returns the size of a filter in bytes: at most `SINEW_FILTER_WORDS` words.
-size_t sinew_filter_bytes(void);
-
-/// Opens a filter of a model.
-///
-/// - `name`, `name_len`: the filter's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the filters with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the filter: at least `sinew_filter_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_filter`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-sinew_status sinew_filter_open(const struct sinew_model *model,
-                               const char *name,
-                               size_t name_len,
-                               size_t index,
-                               void *memory,
-                               size_t memory_bytes,
-                               const struct sinew_filter **out_filter,
-                               struct sinew_error *out_error);
-
 /// Describes a filter.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
@@ -1863,7 +1792,7 @@ sinew_status sinew_filter_apply(const struct sinew_filter *filter,
                                 size_t out_len,
                                 struct sinew_error *out_error);
 
-/// Runs a skin job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// Runs a skin job. Its outputs may share a buffer, but no float, and no memory that the job reads. Jobs may run at
 /// the same time on any threads if no output of one overlaps an output of another.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `OUT_OF_RANGE`,
@@ -1894,7 +1823,7 @@ sinew_status sinew_skin_shape(const struct sinew_skin *skin,
                               struct sinew_shape *out_shape,
                               struct sinew_error *out_error);
 
-/// Runs a shapes job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// Runs a shapes job. Its outputs may share a buffer, but no float, and no memory that the job reads. Jobs may run at
 /// the same time on any threads if no output of one overlaps an output of another.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `NON_FINITE`,
@@ -1916,28 +1845,6 @@ sinew_status sinew_shapes_bounds(const struct sinew_skin *skin,
                                  size_t weights_len,
                                  struct sinew_bounds *out_bounds,
                                  struct sinew_error *out_error);
-
-/// Returns the size of a prior in bytes: at most `SINEW_PRIOR_WORDS` words.
-size_t sinew_prior_bytes(void);
-
-/// Opens a prior of a model.
-///
-/// - `name`, `name_len`: the prior's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the priors with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the prior: at least `sinew_prior_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_prior`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-sinew_status sinew_prior_open(const struct sinew_model *model,
-                              const char *name,
-                              size_t name_len,
-                              size_t index,
-                              void *memory,
-                              size_t memory_bytes,
-                              const struct sinew_prior **out_prior,
-                              struct sinew_error *out_error);
 
 /// Describes a prior.
 ///
@@ -1971,27 +1878,6 @@ sinew_status sinew_skin_place(const struct sinew_skin *skin,
 /// `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
 sinew_status sinew_pins_solve(const struct sinew_pin_job *job,
                               struct sinew_edit *out_edit,
-                              struct sinew_error *out_error);
-
-/// Returns the size of views in bytes: at most `SINEW_VIEWS_WORDS` words.
-size_t sinew_views_bytes(void);
-
-/// Opens views of a model.
-///
-/// - `name`, `name_len`: the views' name in UTF-8, without a terminating zero; null and 0 match every name.
-/// - `index`: position among the views with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the views: at least `sinew_views_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_views`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-sinew_status sinew_views_open(const struct sinew_model *model,
-                              const char *name,
-                              size_t name_len,
-                              size_t index,
-                              void *memory,
-                              size_t memory_bytes,
-                              const struct sinew_views **out_views,
                               struct sinew_error *out_error);
 
 /// Describes views.

@@ -1,5 +1,5 @@
-/// C++17 wrapper of sinew.h: owns objects, and returns failures without exceptions. For all other functions of
-/// sinew.h, `get()` returns the handle.
+/// C++17 wrapper of sinew.h: owns objects, and returns failures without exceptions. For all other
+/// functions of sinew.h, `get()` returns the handle.
 #ifndef SINEW_HPP
 #define SINEW_HPP
 
@@ -16,13 +16,19 @@
 namespace sinew {
 
 /// Result of a call: `if (auto failed = model.load(file)) { report(failed.text()); }`.
+///
+/// `text()` names the argument, the mistake, and the index, the expected and the found value of the
+/// status.
 struct [[nodiscard]] Failure {
     sinew_error error{SINEW_STATUS_OK, SINEW_ARGUMENT_CALL, SINEW_NO_PART, 0, 0, 0, 0};
     sinew_status status = SINEW_STATUS_OK;
 
     explicit operator bool() const { return status != SINEW_STATUS_OK; }
-    const char *text() const { return sinew_status_text(status); }
-    const char *argument() const { return sinew_argument_text(error.argument); }
+    std::string text() const {
+        std::string text(sinew_error_text(&error, nullptr, 0), '\0');
+        sinew_error_text(&error, text.data(), text.size() + 1);
+        return text;
+    }
 };
 
 /// A pointer and a length; converts from any container with `data()` and `size()`.
@@ -32,15 +38,16 @@ template <class T> struct Span {
 
     Span() = default;
     Span(T *at, std::size_t count) : data(at), len(count) {}
-    template <class C, class = decltype(std::declval<C &>().data())>
-    Span(C &&container) : data(container.data()), len(container.size()) {}
+    template <class C, class = decltype(std::declval<C &>().data())> Span(C &&container)
+        : data(container.data()), len(container.size()) {}
 };
 
-/// A loaded file. The model owns the file's bytes, or points to bytes that stay (flash, a mapped file).
+/// A loaded file. The model owns the file's bytes, or points to bytes that stay (flash, a mapped
+/// file).
 ///
-/// Parts point to their model and must not outlive it. A load, an assignment, or a move from the model makes its parts
-/// stale: every call refuses them until they are opened again. A hot reload takes nothing else. No thread may use a
-/// model while its content is replaced.
+/// Parts point to their model and must not outlive it. A load, an assignment, or a move from the
+/// model makes its parts stale: every call refuses them until they are opened again. A hot reload
+/// takes nothing else. No thread may use a model while its content is replaced.
 class Model {
   public:
     Model() = default;
@@ -64,7 +71,8 @@ class Model {
         return failure;
     }
 
-    /// Loads a file without owning it: the bytes must outlive the model unchanged. A temporary does not compile.
+    /// Loads a file without owning it: the bytes must outlive the model unchanged. A temporary does
+    /// not compile.
     Failure borrow(std::vector<std::uint8_t> &&, const sinew_limits * = nullptr) = delete;
     Failure borrow(Span<const std::uint8_t> file, const sinew_limits *limits = nullptr) {
         Failure failure;
@@ -82,33 +90,31 @@ class Model {
     }
 
     /// Returns the handle. Every call refuses the handle of a model that is not loaded.
-    const sinew_model *get() const {
-        return reinterpret_cast<const sinew_model *>(memory_.data());
-    }
+    const sinew_model *get() const { return reinterpret_cast<const sinew_model *>(memory_.data()); }
 
   private:
     std::array<std::uintptr_t, SINEW_MODEL_WORDS> memory_{};
     std::vector<std::uint8_t> file_;
 };
 
-/// Base of the parts of a model: memory, name and description. `name()` is a copy and `info()` has no name, so that
-/// neither points into a file that was replaced.
-template <class Handle, class Info, std::size_t Words> class Part {
+/// Base of the parts of a model: memory, name and description. `name()` is a copy and `info()` has
+/// no name, so that neither points into a file that was replaced.
+template <class Handle, class Info> class Part {
   public:
     const Handle *get() const { return reinterpret_cast<const Handle *>(memory_.data()); }
     const Info &info() const { return info_; }
     const std::string &name() const { return name_; }
 
   protected:
-    template <class Open, class Describe>
-    Failure open_by(Open open, Describe describe, const Model &model, std::string_view name,
-                    std::size_t index) {
+    template <class Describe> Failure open_as(sinew_part_kind kind, Describe describe,
+                                              const Model &model, std::string_view name,
+                                              std::size_t index) {
         Failure failure;
-        const Handle *handle;
-        failure.status = open(model.get(), name.empty() ? nullptr : name.data(), name.size(), index,
-                              memory_.data(), sizeof memory_, &handle, &failure.error);
+        failure.status =
+            sinew_part_open(model.get(), kind, name.empty() ? nullptr : name.data(), name.size(),
+                            index, memory_.data(), sizeof memory_, &failure.error);
         if (!failure) {
-            failure.status = describe(handle, &info_, &failure.error);
+            failure.status = describe(get(), &info_, &failure.error);
         }
         if (!failure) {
             name_.assign(info_.name, info_.name_len);
@@ -119,36 +125,53 @@ template <class Handle, class Info, std::size_t Words> class Part {
     }
 
   private:
-    std::array<std::uintptr_t, Words> memory_{};
+    std::array<std::uintptr_t, SINEW_PART_WORDS> memory_{};
     Info info_{};
     std::string name_;
 };
 
 /// Predicts palettes from poses. Points to its model.
-class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE_WORDS> {
+class Envelope : public Part<sinew_envelope, sinew_envelope_info> {
   public:
-    /// Opens the `index`-th envelope with this name, or the `index`-th of all. On failure the envelope is unchanged.
+    /// Opens the `index`-th envelope with this name, or the `index`-th of all. On failure the
+    /// envelope is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
-        return open_by(sinew_envelope_open, sinew_envelope_describe, model, name, index);
+        return open_as(SINEW_PART_KIND_ENVELOPE, sinew_envelope_describe, model, name, index);
     }
 
-    /// Copies the joints' rest frames, each relative to its parent. An animation starts from these frames.
+    /// Copies the joints' rest frames, each relative to its parent. An animation starts from these
+    /// frames.
     Failure rest_locals(std::vector<sinew_local_transform> &out) const {
         Failure failure;
         out.resize(info().joint_len);
-        failure.status =
-            sinew_envelope_rest_locals(get(), out.data(), out.size(), &failure.error);
+        failure.status = sinew_envelope_rest_locals(get(), out.data(), out.size(), &failure.error);
         return failure;
     }
 
     /// Finds the file's joints in a skeleton by name; `out_bound` receives how many were found.
     Failure bind(Span<const sinew_name> names, std::vector<std::uint32_t> &out_map,
                  sinew_bound_joints &out_bound) const {
+        return bind(
+            names, [](std::string_view name) { return name; }, out_map, out_bound);
+    }
+
+    /// Finds the file's joints after `rename` has changed each name. It takes and returns a
+    /// `std::string_view`, for example `[](auto name) { return name.substr(10); }` for the prefix
+    /// `mixamorig:`.
+    template <class Rename> Failure bind(Span<const sinew_name> names, Rename rename,
+                                         std::vector<std::uint32_t> &out_map,
+                                         sinew_bound_joints &out_bound) const {
         Failure failure;
         out_map.resize(info().joint_len);
-        failure.status = sinew_envelope_bind(get(), names.data, names.len, out_map.data(),
-                                             out_map.size(), &out_bound, &failure.error);
+        sinew_rename call = [](sinew_name name, void *user) -> sinew_name {
+            const std::string_view own{name.name, name.name_len};
+            const std::string_view found = (*static_cast<Rename *>(user))(own);
+            return {found.data(), found.size()};
+        };
+        failure.status =
+            sinew_envelope_bind(get(), names.data, names.len, call, &rename, out_map.data(),
+                                out_map.size(), &out_bound, &failure.error);
         return failure;
     }
 
@@ -179,7 +202,8 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
         return failure;
     }
 
-    /// Checks that a pose fits the skeleton. `out` receives the likely mistake, which is not a failure.
+    /// Checks that a pose fits the skeleton. `out` receives the likely mistake, which is not a
+    /// failure.
     Failure check_pose(Span<const sinew_matrix> pose, sinew_pose_fault &out,
                        Span<const float> curves = {}) const {
         Failure failure;
@@ -190,12 +214,13 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info, SINEW_ENVELOPE
 };
 
 /// A mesh that follows a palette. Points to its model.
-class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
+class Skin : public Part<sinew_skin, sinew_skin_info> {
   public:
-    /// Opens the `index`-th skin with this name, or the `index`-th of all. On failure the skin is unchanged.
+    /// Opens the `index`-th skin with this name, or the `index`-th of all. On failure the skin is
+    /// unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
-        return open_by(sinew_skin_open, sinew_skin_describe, model, name, index);
+        return open_as(SINEW_PART_KIND_SKIN, sinew_skin_describe, model, name, index);
     }
 
     /// Runs a job; this call fills in the skin and the palette.
@@ -234,8 +259,8 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         return failure;
     }
 
-    /// Computes the position of a vertex of the shaped and posed skin. A pin with this target holds the vertex in
-    /// place.
+    /// Computes the position of a vertex of the shaped and posed skin. A pin with this target holds
+    /// the vertex in place.
     Failure place(std::uint32_t vertex, Span<const sinew_matrix> palette, Span<const float> weights,
                   std::array<float, 3> &out) const {
         Failure failure;
@@ -248,44 +273,46 @@ class Skin : public Part<sinew_skin, sinew_skin_info, SINEW_SKIN_WORDS> {
         return failure;
     }
 
-    /// Computes a box that contains the posed skin. `rest_offset` is the rest mesh's largest distance from the file's
-    /// along an axis.
+    /// Computes a box that contains the posed skin. `rest_offset` is the rest mesh's largest
+    /// distance from the file's along an axis.
     Failure bounds(Span<const sinew_matrix> palette, sinew_bounds &out,
                    float rest_offset = 0.0f) const {
         Failure failure;
-        failure.status = sinew_skin_bounds(get(), palette.data, palette.len, rest_offset, &out,
-                                           &failure.error);
+        failure.status =
+            sinew_skin_bounds(get(), palette.data, palette.len, rest_offset, &out, &failure.error);
         return failure;
     }
 };
 
 /// A function from named inputs to named outputs. Points to its model.
-class Kernel : public Part<sinew_kernel, sinew_kernel_info, SINEW_KERNEL_WORDS> {
+class Kernel : public Part<sinew_kernel, sinew_kernel_info> {
   public:
-    /// Opens the `index`-th kernel with this name, or the `index`-th of all. On failure the kernel is unchanged.
+    /// Opens the `index`-th kernel with this name, or the `index`-th of all. On failure the kernel
+    /// is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
-        return open_by(sinew_kernel_open, sinew_kernel_describe, model, name, index);
+        return open_as(SINEW_PART_KIND_KERNEL, sinew_kernel_describe, model, name, index);
     }
 
     /// Computes the outputs of a query, in scratch of `info().scratch_len` floats.
     Failure evaluate(Span<const float> query, Span<float> scratch, Span<float> out,
                      float *confidence = nullptr) const {
         Failure failure;
-        failure.status = sinew_kernel_evaluate(get(), query.data, query.len, scratch.data,
-                                               scratch.len, out.data, out.len, confidence,
-                                               &failure.error);
+        failure.status =
+            sinew_kernel_evaluate(get(), query.data, query.len, scratch.data, scratch.len, out.data,
+                                  out.len, confidence, &failure.error);
         return failure;
     }
 };
 
 /// Covariance of the weights of a skin's shapes. Points to its model.
-class Prior : public Part<sinew_prior, sinew_prior_info, SINEW_PRIOR_WORDS> {
+class Prior : public Part<sinew_prior, sinew_prior_info> {
   public:
-    /// Opens the `index`-th prior with this name, or the `index`-th of all. On failure the prior is unchanged.
+    /// Opens the `index`-th prior with this name, or the `index`-th of all. On failure the prior is
+    /// unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
-        return open_by(sinew_prior_open, sinew_prior_describe, model, name, index);
+        return open_as(SINEW_PART_KIND_PRIOR, sinew_prior_describe, model, name, index);
     }
 };
 
@@ -298,7 +325,8 @@ inline sinew_pin pin(std::uint32_t vertex, const std::array<float, 3> &target,
             stiffness};
 }
 
-/// Makes a pin with a target on a screen. `projection` maps positions to the screen without a division.
+/// Makes a pin with a target on a screen. `projection` maps positions to the screen without a
+/// division.
 inline sinew_pin pin_on_screen(std::uint32_t vertex,
                                const std::array<std::array<float, 4>, 2> &projection,
                                const std::array<float, 2> &target, float stiffness = 1.0f) {
@@ -310,12 +338,13 @@ inline sinew_pin pin_on_screen(std::uint32_t vertex,
 }
 
 /// Weights that upsample a signal. Points to its model.
-class Filter : public Part<sinew_filter, sinew_filter_info, SINEW_FILTER_WORDS> {
+class Filter : public Part<sinew_filter, sinew_filter_info> {
   public:
-    /// Opens the `index`-th filter with this name, or the `index`-th of all. On failure the filter is unchanged.
+    /// Opens the `index`-th filter with this name, or the `index`-th of all. On failure the filter
+    /// is unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
-        return open_by(sinew_filter_open, sinew_filter_describe, model, name, index);
+        return open_as(SINEW_PART_KIND_FILTER, sinew_filter_describe, model, name, index);
     }
 
     /// Upsamples by `info().factor`; `out` has `info().factor` times the length of `samples`.
@@ -328,12 +357,13 @@ class Filter : public Part<sinew_filter, sinew_filter_info, SINEW_FILTER_WORDS> 
 };
 
 /// Views of a drawn object. Points to its model.
-class Views : public Part<sinew_views, sinew_views_info, SINEW_VIEWS_WORDS> {
+class Views : public Part<sinew_views, sinew_views_info> {
   public:
-    /// Opens the `index`-th views with this name, or the `index`-th of all. On failure the views are unchanged.
+    /// Opens the `index`-th views with this name, or the `index`-th of all. On failure the views
+    /// are unchanged.
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
-        return open_by(sinew_views_open, sinew_views_describe, model, name, index);
+        return open_as(SINEW_PART_KIND_VIEWS, sinew_views_describe, model, name, index);
     }
 
     /// Describes a map. Its name is in the model's file.
@@ -344,8 +374,8 @@ class Views : public Part<sinew_views, sinew_views_info, SINEW_VIEWS_WORDS> {
     }
 };
 
-/// One character: scratch, palette and confidence. For one thread at a time. Points to the envelope, which must stay in
-/// place. After the envelope is opened again, make a new character.
+/// One character: scratch, palette and confidence. For one thread at a time. Points to the
+/// envelope, which must stay in place. After the envelope is opened again, make a new character.
 ///
 /// A pose has `info().curve_len` curves; a model without curves needs none.
 class Character {
@@ -355,34 +385,35 @@ class Character {
         : envelope_(&envelope), scratch_(envelope.info().scratch_len),
           pose_(envelope.info().joint_len), palette_(envelope.info().palette_len) {}
 
-    /// Computes the palette of local transforms.
+    /// Computes the pose of local transforms, and its palette.
     Failure pose(Span<const sinew_local_transform> local, Span<const float> curves = {}) {
         Failure failure;
         failure.status = sinew_envelope_pose(envelope_->get(), local.data, local.len, pose_.data(),
                                              pose_.size(), &failure.error);
-        return failure ? failure : pose_matrices(pose_, curves);
+        return failure ? failure : palette_of(sinew_envelope_palette, curves);
     }
 
     /// Computes the palette of skinning matrices: rest to posed, in model space.
-    Failure pose_matrices(Span<const sinew_matrix> pose, Span<const float> curves = {},
-                          sinew_level level = SINEW_LEVEL_FULL) {
-        Failure failure;
-        failure.status = sinew_envelope_palette_at(
-            envelope_->get(), level, pose.data, pose.len, curves.data, curves.len, scratch_.data(),
-            scratch_.size(), palette_.data(), palette_.size(), &confidence_, &failure.error);
-        return failure;
+    Failure pose_matrices(Span<const sinew_matrix> pose, Span<const float> curves = {}) {
+        pose_.assign(pose.data, pose.data + pose.len);
+        return palette_of(sinew_envelope_palette, curves);
     }
 
-    /// Computes the palette of a pose whose joints share one scale, for example that of a scaled actor.
-    Failure pose_scaled(Span<const sinew_matrix> pose, Span<const float> curves = {},
-                        sinew_level level = SINEW_LEVEL_FULL) {
+    /// Computes the base of the palette, for a character that is far away.
+    Failure pose_far(Span<const sinew_matrix> pose, Span<const float> curves = {}) {
+        pose_.assign(pose.data, pose.data + pose.len);
+        return palette_of(sinew_envelope_base_palette, curves);
+    }
+
+    /// Computes the palette of a pose whose joints share one scale, for example that of a scaled
+    /// actor. `pose()` then returns the pose without the scale.
+    Failure pose_scaled(Span<const sinew_matrix> pose, Span<const float> curves = {}) {
         Failure failure;
         float scale;
         pose_.assign(pose.data, pose.data + pose.len);
-        failure.status =
-            sinew_pose_take_scale(pose_.data(), pose_.size(), &scale, &failure.error);
+        failure.status = sinew_pose_take_scale(pose_.data(), pose_.size(), &scale, &failure.error);
         if (!failure) {
-            failure = pose_matrices(pose_, curves, level);
+            failure = palette_of(sinew_envelope_palette, curves);
         }
         if (!failure) {
             failure.status =
@@ -391,8 +422,8 @@ class Character {
         return failure;
     }
 
-    /// Computes the confidence of each joint in a pose of skinning matrices, from the maps of its skin and its trained
-    /// range.
+    /// Computes the confidence of each joint in a pose of skinning matrices, from the maps of its
+    /// skin and its trained range.
     Failure joint_confidences(Span<const sinew_matrix> pose, std::vector<float> &out,
                               Span<const float> curves = {}) {
         Failure failure;
@@ -403,18 +434,29 @@ class Character {
         return failure;
     }
 
+    /// Returns the pose of the last call, for example for `Envelope::check_pose`.
+    const std::vector<sinew_matrix> &pose() const { return pose_; }
     const std::vector<sinew_matrix> &palette() const { return palette_; }
     float confidence() const { return confidence_; }
 
   private:
+    Failure palette_of(decltype(sinew_envelope_palette) compute, Span<const float> curves) {
+        Failure failure;
+        failure.status = compute(envelope_->get(), pose_.data(), pose_.size(), curves.data,
+                                 curves.len, scratch_.data(), scratch_.size(), palette_.data(),
+                                 palette_.size(), &confidence_, &failure.error);
+        return failure;
+    }
+
     const Envelope *envelope_;
     std::vector<float> scratch_;
     std::vector<sinew_matrix> pose_, palette_;
     float confidence_ = 0.0f;
 };
 
-/// One face: the weights of its shapes, and the scratch of their solve, which a drag reuses. For one thread at a time.
-/// Points to the prior and the skin, which must stay in place. After either is opened again, make a new face.
+/// One face: the weights of its shapes, and the scratch of their solve, which a drag reuses. For
+/// one thread at a time. Points to the prior and the skin, which must stay in place. After either
+/// is opened again, make a new face.
 class Face {
   public:
     explicit Face(const Prior &&, const Skin &) = delete;
@@ -422,8 +464,8 @@ class Face {
     explicit Face(const Prior &prior, const Skin &skin)
         : prior_(&prior), skin_(&skin), weights_(prior.info().shape_len) {}
 
-    /// Makes the job of an artist's edit: from the current weights, within the bounds, without symmetry and temporal
-    /// terms.
+    /// Makes the job of an artist's edit: from the current weights, within the bounds, without
+    /// symmetry and temporal terms.
     sinew_pin_job job() const {
         sinew_pin_job job{};
         job.is_bounded = 1;
@@ -431,7 +473,8 @@ class Face {
         return job;
     }
 
-    /// Runs a job; this call fills in the prior, the skin, the palette, the pins, scratch and weights.
+    /// Runs a job; this call fills in the prior, the skin, the palette, the pins, scratch and
+    /// weights.
     Failure run(sinew_pin_job job, Span<const sinew_pin> pins,
                 Span<const sinew_matrix> palette = {}, sinew_edit *edit = nullptr) {
         Failure failure;
@@ -464,16 +507,16 @@ class Face {
     std::vector<float> weights_;
 };
 
-/// One drawn object: points, visibilities, scores of key views, and layers. For one thread at a time. Points to the
-/// views, which must stay in place. After the views are opened again, make a new figure.
+/// One drawn object: points, visibilities, scores of key views, and layers. For one thread at a
+/// time. Points to the views, which must stay in place. After the views are opened again, make a
+/// new figure.
 class Figure {
   public:
     explicit Figure(const Views &&) = delete;
     explicit Figure(const Views &views)
-        : views_(&views), points_(3 * views.info().point_len),
-          visibility_(views.info().point_len), scores_(views.info().view_len),
-          layers_(2 * views.info().layer_len), vertices_(3 * views.info().vertex_len),
-          order_(views.info().order_len) {
+        : views_(&views), points_(3 * views.info().point_len), visibility_(views.info().point_len),
+          scores_(views.info().view_len), layers_(2 * views.info().layer_len),
+          vertices_(3 * views.info().vertex_len), order_(views.info().order_len) {
         for (std::size_t index = 0; index < views.info().map_len; index++) {
             sinew_map_info map;
             if (!views.map(index, map) && scratch_.size() < map.scratch_len) {
@@ -504,8 +547,8 @@ class Figure {
         return failure;
     }
 
-    /// Draws the last frame over RGBA8 pixels, premultiplied by alpha. A larger picture than before allocates scratch,
-    /// if the object needs scratch per pixel.
+    /// Draws the last frame over RGBA8 pixels, premultiplied by alpha. A larger picture than before
+    /// allocates scratch, if the object needs scratch per pixel.
     Failure render(Span<std::uint8_t> pixels, std::size_t width, sinew_drawn *drawn = nullptr) {
         Failure failure;
         const std::size_t pixel_len = pixels.len / 4;

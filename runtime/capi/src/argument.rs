@@ -1,6 +1,5 @@
 //! Arguments that an error can name.
 
-use core::ffi::{CStr, c_char};
 use sinew_runtime::Argument;
 
 /// The argument that an error is about. Numbers from 50 on are arguments that only C has.
@@ -116,8 +115,6 @@ pub enum sinew_argument {
     Indices = 61,
     /// Weights of influences.
     Weights = 62,
-    /// Evaluation order of the joints.
-    Order = 63,
     /// Memory for a result.
     Result = 64,
     /// Memory for a second result.
@@ -136,91 +133,90 @@ pub enum sinew_argument {
     Map = 71,
     /// A filter.
     Filter = 72,
-    /// A level of evaluation.
-    Level = 73,
+    /// A kind of part.
+    Kind = 73,
     /// Index of a curve.
     Curve = 74,
 }
 
 /// Name of each argument.
-const NAMES: [(sinew_argument, &CStr); 66] = {
+const NAMES: [(sinew_argument, &str); 65] = {
     use sinew_argument as A;
     [
-        (A::Call, c"call"),
-        (A::Pose, c"pose"),
-        (A::Local, c"local transforms"),
-        (A::Scratch, c"scratch"),
-        (A::Palette, c"palette"),
-        (A::Confidences, c"confidences"),
-        (A::Relative, c"relative transforms"),
-        (A::Rotations, c"rotations"),
-        (A::Gradients, c"gradients"),
-        (A::Features, c"features"),
-        (A::Vertices, c"vertices"),
-        (A::Remap, c"remap"),
-        (A::RestPositions, c"rest positions"),
-        (A::RestNormals, c"rest normals"),
-        (A::RestTangents, c"rest tangents"),
-        (A::Positions, c"positions"),
-        (A::Normals, c"normals"),
-        (A::Tangents, c"tangents"),
-        (A::Query, c"query"),
-        (A::Outputs, c"outputs"),
-        (A::Jacobian, c"Jacobian"),
-        (A::Variances, c"variances"),
-        (A::ShapeWeights, c"shape weights"),
-        (A::Prior, c"prior"),
-        (A::Pins, c"pins"),
-        (A::Points, c"points"),
-        (A::Visibility, c"visibility"),
-        (A::Scores, c"scores"),
-        (A::Pixels, c"pixels"),
-        (A::Depths, c"depths"),
-        (A::Samples, c"samples"),
-        (A::Names, c"names"),
-        (A::Joints, c"joint map"),
-        (A::World, c"frames"),
-        (A::Root, c"root matrix"),
-        (A::Layers, c"layers"),
-        (A::Clips, c"clips"),
-        (A::Group, c"group"),
-        (A::Curves, c"curves"),
-        (A::Turns, c"joint rotations"),
-        (A::Strains, c"strains"),
-        (A::Memory, c"memory"),
-        (A::File, c"file"),
-        (A::Limits, c"limits"),
-        (A::Model, c"model"),
-        (A::Envelope, c"envelope"),
-        (A::Skin, c"skin"),
-        (A::Name, c"name"),
-        (A::Joint, c"joint"),
-        (A::Range, c"range"),
-        (A::Section, c"section"),
-        (A::Job, c"job"),
-        (A::Indices, c"indices"),
-        (A::Weights, c"weights"),
-        (A::Order, c"order"),
-        (A::Result, c"result"),
-        (A::SecondResult, c"second result"),
-        (A::Kernel, c"kernel"),
-        (A::Input, c"input"),
-        (A::Output, c"output"),
-        (A::Shape, c"shape"),
-        (A::Views, c"views"),
-        (A::Map, c"map"),
-        (A::Filter, c"filter"),
-        (A::Level, c"level"),
-        (A::Curve, c"curve"),
+        (A::Call, "call"),
+        (A::Pose, "pose"),
+        (A::Local, "local transforms"),
+        (A::Scratch, "scratch"),
+        (A::Palette, "palette"),
+        (A::Confidences, "confidences"),
+        (A::Relative, "relative transforms"),
+        (A::Rotations, "rotations"),
+        (A::Gradients, "gradients"),
+        (A::Features, "features"),
+        (A::Vertices, "vertices"),
+        (A::Remap, "remap"),
+        (A::RestPositions, "rest positions"),
+        (A::RestNormals, "rest normals"),
+        (A::RestTangents, "rest tangents"),
+        (A::Positions, "positions"),
+        (A::Normals, "normals"),
+        (A::Tangents, "tangents"),
+        (A::Query, "query"),
+        (A::Outputs, "outputs"),
+        (A::Jacobian, "Jacobian"),
+        (A::Variances, "variances"),
+        (A::ShapeWeights, "shape weights"),
+        (A::Prior, "prior"),
+        (A::Pins, "pins"),
+        (A::Points, "points"),
+        (A::Visibility, "visibility"),
+        (A::Scores, "scores"),
+        (A::Pixels, "pixels"),
+        (A::Depths, "depths"),
+        (A::Samples, "samples"),
+        (A::Names, "names"),
+        (A::Joints, "joint map"),
+        (A::World, "frames"),
+        (A::Root, "root matrix"),
+        (A::Layers, "layers"),
+        (A::Clips, "clips"),
+        (A::Group, "group"),
+        (A::Curves, "curves"),
+        (A::Turns, "joint rotations"),
+        (A::Strains, "strains"),
+        (A::Memory, "memory"),
+        (A::File, "file"),
+        (A::Limits, "limits"),
+        (A::Model, "model"),
+        (A::Envelope, "envelope"),
+        (A::Skin, "skin"),
+        (A::Name, "name"),
+        (A::Joint, "joint"),
+        (A::Range, "range"),
+        (A::Section, "section"),
+        (A::Job, "job"),
+        (A::Indices, "indices"),
+        (A::Weights, "weights"),
+        (A::Result, "result"),
+        (A::SecondResult, "second result"),
+        (A::Kernel, "kernel"),
+        (A::Input, "input"),
+        (A::Output, "output"),
+        (A::Shape, "shape"),
+        (A::Views, "views"),
+        (A::Map, "map"),
+        (A::Filter, "filter"),
+        (A::Kind, "kind"),
+        (A::Curve, "curve"),
     ]
 };
 
-/// Returns the name of an argument as zero-terminated text. Other numbers give "unknown argument". The
-/// pointer is never null and stays valid.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_argument_text(argument: u32) -> *const c_char {
-    let found = NAMES.iter().find(|(known, _)| *known as u32 == argument);
-    found.map_or(c"unknown argument", |(_, name)| name).as_ptr()
+impl sinew_argument {
+    /// Returns the argument's name.
+    pub(crate) fn name(self) -> &'static str {
+        let found = NAMES.iter().find(|(known, _)| *known == self);
+        found.map_or("", |(_, name)| name)
+    }
 }
 
 impl From<Argument> for sinew_argument {

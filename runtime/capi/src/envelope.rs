@@ -1,18 +1,13 @@
 //! Envelopes and matrices: opens and describes an envelope, its joints and its curves.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array, Loaded};
+use crate::border::Loaded;
 use crate::error::{sinew_error, sinew_status};
-use crate::model::sinew_model;
-use crate::part::{self, Opened, Opening};
-use core::ffi::{c_char, c_void};
+use crate::part::{self, Opened};
+use core::ffi::c_char;
 use core::mem::{align_of, offset_of, size_of};
-use sinew_runtime::envelope::{EnvelopeLayout, Predictor};
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
-
-/// Length of a `uintptr_t` array that can hold an envelope on every target:
-/// `uintptr_t memory[SINEW_ENVELOPE_WORDS]`.
-pub const SINEW_ENVELOPE_WORDS: usize = 48;
 
 /// Sentinel for "no joint", for example the root's parent.
 pub const SINEW_NO_JOINT: u32 = u32::MAX;
@@ -21,12 +16,9 @@ pub const SINEW_NO_JOINT: u32 = u32::MAX;
 ///
 /// The envelope points to its model. Every call refuses the envelope once the model was cleared or has
 /// loaded another file.
-pub struct sinew_envelope(Loaded<Opened<EnvelopeLayout>>);
+pub struct sinew_envelope(Loaded<Opened>);
 
-part::part! {
-    sinew_envelope: EnvelopeLayout to Envelope, of Model::envelopes,
-    tag b"SnwE", argument Envelope, within SINEW_ENVELOPE_WORDS
-}
+part::part! { sinew_envelope: Envelope, tag b"SnwE", argument Envelope }
 
 /// A rigid or affine transform in three rows of four: `y[r] = rows[r][0..2] . x + rows[r][3]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,7 +76,7 @@ pub struct sinew_certificate {
     pub lbs_training_rms: f32,
     /// Largest displacement of a vertex by rounding of the correction; 0 without a correction.
     pub correction_error: f32,
-    /// RMS error of `SINEW_LEVEL_JOINTS` over vertices and training frames.
+    /// RMS error of `sinew_envelope_base_palette` over vertices and training frames.
     pub base_training_rms: f32,
     /// Forecast of the RMS error on an unseen clip; negative if training had one clip.
     pub other_clip_rms: f32,
@@ -160,38 +152,6 @@ pub struct sinew_curve {
     pub max: f32,
 }
 
-/// Returns the size of an envelope in bytes: at most `SINEW_ENVELOPE_WORDS` words.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_envelope_bytes() -> usize {
-    size_of::<sinew_envelope>()
-}
-
-/// Opens an envelope of a model.
-///
-/// - `name`, `name_len`: the envelope's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the envelopes with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the envelope: at least `sinew_envelope_bytes()` bytes, aligned
-///   like a `uintptr_t`.
-/// - `out_envelope`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_envelope_open(
-    model: *const sinew_model,
-    name: *const c_char,
-    name_len: usize,
-    index: usize,
-    memory: *mut c_void,
-    memory_bytes: usize,
-    out_envelope: *mut *const sinew_envelope,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { opening.open(out_envelope, out_error) }
-}
-
 /// Describes an envelope.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
@@ -239,35 +199,6 @@ pub unsafe extern "C" fn sinew_envelope_curve(
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { part::describe(envelope, out_curve, out_error, answer) }
-}
-
-/// Copies the indices of the J joints, each after its parent.
-///
-/// - `out_order`, `order_len`: room for J indices.
-///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_envelope_order(
-    envelope: *const sinew_envelope,
-    out_order: *mut u32,
-    order_len: usize,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let body = || {
-        // SAFETY: the caller's promise is passed on.
-        let (envelope, reads) = unsafe { part::view(envelope) }?;
-        let out = Array::new(out_order, order_len, sinew_argument::Order)?;
-        out.check_least(envelope.joint_len())?;
-        border::check_disjoint(&[out.span()], &reads)?;
-        // SAFETY: lent by the caller; the call reads no part of it.
-        let out = unsafe { out.write() };
-        for (out, joint) in out.iter_mut().zip(envelope.evaluation_order()) {
-            *out = joint as u32;
-        }
-        Ok(())
-    };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, body) }
 }
 
 fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {

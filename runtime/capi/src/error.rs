@@ -2,6 +2,7 @@
 
 use crate::argument::sinew_argument;
 use core::ffi::{CStr, c_char};
+use core::fmt::Write;
 use sinew_runtime::{CallError, CallErrorKind, FileError, FileErrorKind};
 
 /// Sentinel for "no part".
@@ -190,53 +191,57 @@ pub enum sinew_status {
     FileSpace = 120,
 }
 
-/// Text of each status.
-const TEXTS: [(sinew_status, &CStr); 43] = {
+/// Text of each status, and the fields that it fills: i for index, e for expected, f for found.
+const TEXTS: [(sinew_status, &CStr, &str); 43] = {
     use sinew_status as S;
     [
-        (S::Ok, c"done"),
-        (S::Length, c"an array has the wrong length"),
-        (S::TooShort, c"an array is too short"),
-        (S::NonFinite, c"a transform or a number is not finite"),
-        (S::ZeroRotation, c"a quaternion has no direction"),
-        (S::OutOfRange, c"an index, a range or a distance is out of range"),
-        (S::Stride, c"a stride, in floats, is shorter than its attribute"),
-        (S::NoAttribute, c"the part has no such attribute"),
-        (S::NoStage, c"the envelope's predictor has no such stage"),
-        (S::NoOutput, c"the job has no output"),
-        (S::NoRoot, c"the skeleton lacks the root"),
-        (S::OtherName, c"a joint's name has another prefix, case or separators in the skeleton"),
-        (S::NoJoints, c"the skeleton has no joint but the root"),
-        (S::NoCurve, c"the names lack a curve of the file"),
-        (S::Null, c"a pointer is null"),
-        (S::Misaligned, c"a pointer is not aligned"),
-        (S::TooLong, c"an array reaches outside the address space"),
-        (S::Overlap, c"output memory overlaps other memory of the call"),
-        (S::NotLoaded, c"a handle points to no loaded object of its kind"),
-        (S::Stale, c"the model has loaded another file since the part was opened"),
-        (S::NotFound, c"the file holds no such part or section"),
-        (S::NoVertices, c"the skin has no vertices"),
-        (S::FileNotAModel, c"not a model"),
-        (S::FileVersion, c"unknown version of the format"),
-        (S::FileMalformed, c"the file contradicts itself"),
-        (S::FileChecksum, c"the file is damaged"),
-        (S::FileLimit, c"a count exceeds the limits or the format"),
-        (S::FileUnsupported, c"the file needs something that this library does not know"),
-        (S::FilePartIndex, c"a section belongs to a part that does not exist"),
-        (S::FileAlignment, c"a section is not aligned"),
-        (S::FileOverlap, c"a section starts inside another"),
-        (S::FileBounds, c"a section ends outside the blob"),
-        (S::FileDuplicate, c"a part has two sections of one kind"),
-        (S::FileMissing, c"a section is missing"),
-        (S::FileUnexpected, c"the part may not have this section"),
-        (S::FileLength, c"a section's length does not match the counts"),
-        (S::FileEmpty, c"a count that must be at least 1 is 0"),
-        (S::FileFloat, c"a float is out of range"),
-        (S::FileIndex, c"an index is out of range"),
-        (S::FileMismatch, c"a number does not match the rest of the file"),
-        (S::FileInvalid, c"an element breaks a rule of its section"),
-        (S::FileTruncated, c"the file ends early"),
-        (S::FileSpace, c"the file's axes, handedness or unit are not valid"),
+        (S::Ok, c"done", ""),
+        (S::Length, c"an array has the wrong length", "ef"),
+        (S::TooShort, c"an array is too short", "ef"),
+        (S::NonFinite, c"a transform or a number is not finite", "i"),
+        (S::ZeroRotation, c"a quaternion has no direction", "i"),
+        (S::OutOfRange, c"an index, a range or a distance is out of range", "ief"),
+        (S::Stride, c"a stride, in floats, is shorter than its attribute", "ef"),
+        (S::NoAttribute, c"the part has no such attribute", ""),
+        (S::NoStage, c"the envelope's predictor has no such stage", "f"),
+        (S::NoOutput, c"the job has no output", ""),
+        (S::NoRoot, c"the skeleton lacks the root", "i"),
+        (
+            S::OtherName,
+            c"a joint's name has another prefix, case or separators in the skeleton",
+            "if",
+        ),
+        (S::NoJoints, c"the skeleton has no joint but the root", "ef"),
+        (S::NoCurve, c"the names lack a curve of the file", "i"),
+        (S::Null, c"a pointer is null", ""),
+        (S::Misaligned, c"a pointer is not aligned", "ef"),
+        (S::TooLong, c"an array reaches outside the address space", "f"),
+        (S::Overlap, c"output memory overlaps other memory of the call", ""),
+        (S::NotLoaded, c"a handle points to no loaded object of its kind", ""),
+        (S::Stale, c"the model has loaded another file since the part was opened", ""),
+        (S::NotFound, c"the file holds no such part or section", ""),
+        (S::NoVertices, c"the skin has no vertices", ""),
+        (S::FileNotAModel, c"not a model", "ef"),
+        (S::FileVersion, c"unknown version of the format", "ef"),
+        (S::FileMalformed, c"the file contradicts itself", "ief"),
+        (S::FileChecksum, c"the file is damaged", "ef"),
+        (S::FileLimit, c"a count exceeds the limits or the format", "ief"),
+        (S::FileUnsupported, c"the file needs something that this library does not know", "f"),
+        (S::FilePartIndex, c"a section belongs to a part that does not exist", "ief"),
+        (S::FileAlignment, c"a section is not aligned", "ief"),
+        (S::FileOverlap, c"a section starts inside another", "ief"),
+        (S::FileBounds, c"a section ends outside the blob", "ief"),
+        (S::FileDuplicate, c"a part has two sections of one kind", "i"),
+        (S::FileMissing, c"a section is missing", ""),
+        (S::FileUnexpected, c"the part may not have this section", ""),
+        (S::FileLength, c"a section's length does not match the counts", "ef"),
+        (S::FileEmpty, c"a count that must be at least 1 is 0", "i"),
+        (S::FileFloat, c"a float is out of range", "i"),
+        (S::FileIndex, c"an index is out of range", "ief"),
+        (S::FileMismatch, c"a number does not match the rest of the file", "ief"),
+        (S::FileInvalid, c"an element breaks a rule of its section", "i"),
+        (S::FileTruncated, c"the file ends early", "ief"),
+        (S::FileSpace, c"the file's axes, handedness or unit are not valid", "if"),
     ]
 };
 
@@ -244,8 +249,79 @@ const TEXTS: [(sinew_status, &CStr); 43] = {
 /// pointer is never null and stays valid.
 #[unsafe(no_mangle)]
 pub extern "C" fn sinew_status_text(status: i32) -> *const c_char {
-    let found = TEXTS.iter().find(|(known, _)| *known as i32 == status);
-    found.map_or(c"unknown status", |(_, text)| text).as_ptr()
+    let found = TEXTS.iter().find(|(known, ..)| *known as i32 == status);
+    found.map_or(c"unknown status", |(_, text, _)| text).as_ptr()
+}
+
+/// Writes an error as zero-terminated text: the argument, the meaning of the status, and the fields that the
+/// status fills, for example "pose: an array has the wrong length, expected 53, found 12".
+///
+/// - `error`: an error that a call wrote; null gives an empty text.
+/// - `out_text`, `text_len`: receives the text, cut off to `text_len` bytes with the zero; null and 0 if only
+///   the length is wanted.
+///
+/// Returns the length of the whole text in bytes, without the zero.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_error_text(
+    error: *const sinew_error,
+    out_text: *mut c_char,
+    text_len: usize,
+) -> usize {
+    // SAFETY: null, or one error of the caller.
+    let error = unsafe { error.as_ref() };
+    let out = if out_text.is_null() { core::ptr::NonNull::dangling().as_ptr() } else { out_text };
+    let text_len = if out_text.is_null() { 0 } else { text_len };
+    // SAFETY: the caller lends this memory.
+    let out = unsafe { core::slice::from_raw_parts_mut(out.cast::<u8>(), text_len) };
+    let mut text = Text { out, len: 0 };
+    // A text reports no errors.
+    let _ = error.map_or(Ok(()), |error| error.write(&mut text));
+    let Text { out, len } = text;
+    if let Some(last) = out.len().checked_sub(1)
+        && let Some(zero) = out.get_mut(len.min(last))
+    {
+        *zero = 0;
+    }
+    len
+}
+
+/// Memory that receives a text, and the length of the text so far.
+struct Text<'a> {
+    out: &'a mut [u8],
+    len: usize,
+}
+
+impl Write for Text<'_> {
+    fn write_str(&mut self, text: &str) -> core::fmt::Result {
+        let room = self.out.get_mut(self.len..).unwrap_or_default();
+        room.iter_mut().zip(text.as_bytes()).for_each(|(out, byte)| *out = *byte);
+        self.len = self.len.saturating_add(text.len());
+        Ok(())
+    }
+}
+
+impl sinew_error {
+    fn write(&self, out: &mut Text<'_>) -> core::fmt::Result {
+        let Self { status, argument, part, section, index, expected, found } = *self;
+        let known = TEXTS.iter().find(|(known, ..)| *known == status);
+        let (text, fields) = known.map_or((c"", ""), |(_, text, fields)| (*text, *fields));
+        let text = text.to_str().unwrap_or_default();
+        write!(out, "{}: {text}", argument.name())?;
+        if part != SINEW_NO_PART {
+            write!(out, ", part {part}")?;
+        }
+        if section != 0 {
+            write!(out, ", section {section}")?;
+        }
+        for (letter, name, value) in
+            [('i', "index", index), ('e', "expected", expected), ('f', "found", found)]
+        {
+            if fields.contains(letter) {
+                write!(out, ", {name} {value}")?;
+            }
+        }
+        Ok(())
+    }
 }
 
 impl From<CallErrorKind> for sinew_status {
@@ -257,6 +333,7 @@ impl From<CallErrorKind> for sinew_status {
             CallErrorKind::ZeroRotation => Self::ZeroRotation,
             CallErrorKind::OutOfRange => Self::OutOfRange,
             CallErrorKind::Stride => Self::Stride,
+            CallErrorKind::Overlap => Self::Overlap,
             CallErrorKind::NoAttribute => Self::NoAttribute,
             CallErrorKind::NoStage => Self::NoStage,
             CallErrorKind::NoOutput => Self::NoOutput,

@@ -3,27 +3,18 @@
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
 use crate::error::{sinew_error, sinew_status};
-use crate::model::sinew_model;
-use crate::part::{self, Opened, Opening};
-use core::ffi::{c_char, c_void};
-use core::mem::{align_of, size_of};
+use crate::part::{self, Opened};
+use core::ffi::c_char;
 use sinew_runtime::Filter;
-use sinew_runtime::filter::{FilterLayout, Samples};
-
-/// Length of a `uintptr_t` array that can hold a filter on every target:
-/// `uintptr_t memory[SINEW_FILTER_WORDS]`.
-pub const SINEW_FILTER_WORDS: usize = 48;
+use sinew_runtime::filter::Samples;
 
 /// Weights that upsample a signal.
 ///
 /// The filter points to its model. Every call refuses the filter once the model was cleared or has loaded
 /// another file.
-pub struct sinew_filter(Loaded<Opened<FilterLayout>>);
+pub struct sinew_filter(Loaded<Opened>);
 
-part::part! {
-    sinew_filter: FilterLayout to Filter, of Model::filters,
-    tag b"SnwF", argument Filter, within SINEW_FILTER_WORDS
-}
+part::part! { sinew_filter: Filter, tag b"SnwF", argument Filter }
 
 /// Counts and measured errors of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,38 +52,6 @@ pub struct sinew_samples {
     pub sample_len: usize,
     /// Number of lanes per sample. The filter treats each lane separately.
     pub lane_len: usize,
-}
-
-/// Returns the size of a filter in bytes: at most `SINEW_FILTER_WORDS` words.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_filter_bytes() -> usize {
-    size_of::<sinew_filter>()
-}
-
-/// Opens a filter of a model.
-///
-/// - `name`, `name_len`: the filter's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the filters with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the filter: at least `sinew_filter_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_filter`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_filter_open(
-    model: *const sinew_model,
-    name: *const c_char,
-    name_len: usize,
-    index: usize,
-    memory: *mut c_void,
-    memory_bytes: usize,
-    out_filter: *mut *const sinew_filter,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { opening.open(out_filter, out_error) }
 }
 
 /// Describes a filter.

@@ -7,7 +7,7 @@ use crate::error::{sinew_error, sinew_status};
 use crate::part;
 use crate::skin::sinew_skin;
 use core::ffi::c_char;
-use sinew_runtime::skin::{Bounds, Output, Rest};
+use sinew_runtime::skin::{Bounds, Output};
 use sinew_runtime::{Matrix3x4, ShapesJob, Skin, SkinJob};
 
 /// Destination of an attribute. The i-th vertex *of the range* is written at `floats[i * stride]`. An
@@ -25,8 +25,7 @@ pub struct sinew_output {
     pub stride: usize,
 }
 
-/// Skins a range of vertices. Floats between attributes are left unchanged. If attributes overlap, the
-/// later field of this structure wins.
+/// Skins a range of vertices. Floats between attributes are left unchanged.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct sinew_skin_job {
@@ -75,7 +74,7 @@ pub struct sinew_bounds {
     pub max: [f32; 3],
 }
 
-/// Runs a skin job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// Runs a skin job. Its outputs may share a buffer, but no float, and no memory that the job reads. Jobs may run at
 /// the same time on any threads if no output of one overlaps an output of another.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `OUT_OF_RANGE`,
@@ -111,25 +110,22 @@ pub unsafe extern "C" fn sinew_skin_run(
         // SAFETY: lent by the caller for this call.
         let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
         // SAFETY: lent by the caller; written memory overlaps none of it.
-        let (palette, remap, rest) = unsafe {
-            let rest = Rest {
-                positions: rest_positions.map(|array| array.read()),
-                normals: rest_normals.map(|array| array.read()),
-                tangents: rest_tangents.map(|array| array.read()),
-            };
-            (palette.read(), remap.map(|array| array.read()), rest)
-        };
-        let job = SkinJob {
-            skin,
-            palette,
-            vertices: job.start..job.end,
-            remap,
-            rest,
-            positions,
-            normals,
-            tangents,
-        };
-        Ok(job.run()?)
+        unsafe {
+            let mut own = SkinJob::new(skin, palette.read()).vertices(job.start..job.end);
+            if let Some(remap) = remap {
+                own = own.remap(remap.read());
+            }
+            if let Some(positions) = rest_positions {
+                own = own.rest_positions(positions.read());
+            }
+            if let Some(normals) = rest_normals {
+                own = own.rest_normals(normals.read());
+            }
+            if let Some(tangents) = rest_tangents {
+                own = own.rest_tangents(tangents.read());
+            }
+            Ok(own.positions(positions).normals(normals).tangents(tangents).run()?)
+        }
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
@@ -217,7 +213,7 @@ pub unsafe extern "C" fn sinew_skin_shape(
     unsafe { part::describe(skin, out_shape, out_error, answer) }
 }
 
-/// Runs a shapes job. Its outputs may overlap each other, but no memory that the job reads. Jobs may run at
+/// Runs a shapes job. Its outputs may share a buffer, but no float, and no memory that the job reads. Jobs may run at
 /// the same time on any threads if no output of one overlaps an output of another.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_OUTPUT`, `LENGTH`, `NON_FINITE`,
@@ -237,15 +233,12 @@ pub unsafe extern "C" fn sinew_shapes_run(
         let wanted = [job.positions, job.normals, job.tangents];
         // SAFETY: lent by the caller for this call.
         let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
-        let job = ShapesJob {
-            skin,
-            // SAFETY: lent by the caller; written memory does not overlap it.
-            weights: unsafe { weights.read() },
-            vertices: job.start..job.end,
-            positions,
-            normals,
-            tangents,
-        };
+        // SAFETY: lent by the caller; written memory overlaps none of it.
+        let job = ShapesJob::new(skin, unsafe { weights.read() })
+            .vertices(job.start..job.end)
+            .positions(positions)
+            .normals(normals)
+            .tangents(tangents);
         Ok(job.run()?)
     };
     // SAFETY: the caller's promise is passed on.
@@ -288,7 +281,7 @@ fn rest<const N: usize>(
     Array::given(at.cast(), len, argument)
 }
 
-/// Borrows the floats that a job writes: positions, normals and tangents. They may overlap each other, but no memory
+/// Borrows the floats that a job writes: positions, normals and tangents. They may share a buffer, but no memory
 /// in `reads`. An output of zeros is `None`.
 ///
 /// # Safety
@@ -312,7 +305,7 @@ unsafe fn outputs<'a>(
     }
     // SAFETY: lent by the caller, apart from all memory that is read, and used through cells only.
     let output =
-        |(array, stride): (Array<f32>, usize)| Output { floats: unsafe { array.share() }, stride };
+        |(array, stride): (Array<f32>, usize)| Output::shared(unsafe { array.share() }, stride);
     Ok(found.map(|found| found.map(output)))
 }
 

@@ -3,27 +3,17 @@
 use crate::argument::sinew_argument;
 use crate::border::{Array, Loaded};
 use crate::error::{sinew_error, sinew_status};
-use crate::model::sinew_model;
-use crate::part::{self, Evaluation, Opened, Opening};
-use core::ffi::{c_char, c_void};
-use core::mem::{align_of, size_of};
+use crate::part::{self, Evaluation, Opened};
+use core::ffi::c_char;
 use sinew_runtime::KernelMap;
-use sinew_runtime::kernel::KernelLayout;
-
-/// Length of a `uintptr_t` array that can hold a kernel on every target:
-/// `uintptr_t memory[SINEW_KERNEL_WORDS]`.
-pub const SINEW_KERNEL_WORDS: usize = 48;
 
 /// A function from named inputs to named outputs.
 ///
 /// The kernel points to its model. Every call refuses the kernel once the model was cleared or has loaded
 /// another file.
-pub struct sinew_kernel(Loaded<Opened<KernelLayout>>);
+pub struct sinew_kernel(Loaded<Opened>);
 
-part::part! {
-    sinew_kernel: KernelLayout to KernelMap, of Model::kernels,
-    tag b"SnwK", argument Kernel, within SINEW_KERNEL_WORDS
-}
+part::part! { sinew_kernel: KernelMap, tag b"SnwK", argument Kernel }
 
 /// Measured errors of a kernel's fit, in the units of its outputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,38 +77,6 @@ pub struct sinew_quantity {
     pub kind: u32,
     /// Number of floats: 1 for a scalar, 3 for a vector, 4 for a rotation (quaternion x, y, z, w).
     pub number_len: usize,
-}
-
-/// Returns the size of a kernel in bytes: at most `SINEW_KERNEL_WORDS` words.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_kernel_bytes() -> usize {
-    size_of::<sinew_kernel>()
-}
-
-/// Opens a kernel of a model.
-///
-/// - `name`, `name_len`: the kernel's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the kernels with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the kernel: at least `sinew_kernel_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_kernel`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_kernel_open(
-    model: *const sinew_model,
-    name: *const c_char,
-    name_len: usize,
-    index: usize,
-    memory: *mut c_void,
-    memory_bytes: usize,
-    out_kernel: *mut *const sinew_kernel,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { opening.open(out_kernel, out_error) }
 }
 
 /// Describes a kernel.

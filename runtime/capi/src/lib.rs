@@ -18,6 +18,8 @@ mod error;
 
 mod model;
 
+mod open;
+
 mod envelope;
 mod palette;
 mod pose;
@@ -40,7 +42,9 @@ pub use filter::*;
 pub use job::*;
 pub use kernel::*;
 pub use model::*;
+pub use open::*;
 pub use palette::*;
+pub use part::SINEW_PART_WORDS;
 pub use pose::*;
 pub use prior::*;
 pub use skin::*;
@@ -51,7 +55,7 @@ use core::ffi::c_char;
 /// Version of the ABI that this header describes. `sinew_abi_version` returns the library's version.
 ///
 /// The version grows when a function, a structure or the meaning of a number changes.
-pub const SINEW_ABI_VERSION: u32 = 10;
+pub const SINEW_ABI_VERSION: u32 = 11;
 
 /// Returns the version of the library's ABI. A program that loads the library at run time compares the
 /// version with `SINEW_ABI_VERSION`.

@@ -6,7 +6,7 @@ use crate::error::{sinew_error, sinew_status};
 use core::ffi::c_void;
 use core::mem::{align_of, offset_of, size_of};
 use sinew_runtime::format::{Axis, Handedness};
-use sinew_runtime::{Limits, Model};
+use sinew_runtime::{Envelope, KernelMap, Limits, Model, Skin};
 
 /// Length of a `uintptr_t` array that can hold a model on every target:
 /// `uintptr_t memory[SINEW_MODEL_WORDS]`.
@@ -219,9 +219,9 @@ pub unsafe extern "C" fn sinew_model_describe(
         let space = model.space();
         let info = sinew_model_info {
             part_len: model.parts().len(),
-            envelope_len: model.envelopes().count(),
-            skin_len: model.skins().count(),
-            kernel_len: model.kernels().count(),
+            envelope_len: model.all::<Envelope>().count(),
+            skin_len: model.all::<Skin>().count(),
+            kernel_len: model.all::<KernelMap>().count(),
             up: axis(space.up),
             forward: axis(space.forward),
             handedness: match space.handedness {

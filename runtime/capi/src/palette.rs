@@ -1,11 +1,10 @@
 //! Per-frame calls: local transforms to a pose, and a pose to a palette.
 
 use crate::argument::sinew_argument;
-use crate::border::{self, Array};
+use crate::border::Array;
 use crate::envelope::{sinew_envelope, sinew_local_transform, sinew_matrix};
 use crate::error::{sinew_error, sinew_status};
 use crate::part::Evaluation;
-use sinew_runtime::envelope::Level;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
 
 /// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that already
@@ -81,29 +80,17 @@ pub unsafe extern "C" fn sinew_envelope_palette(
     unsafe { evaluation.run_one(envelope, out_error, Envelope::palette) }
 }
 
-/// How much of an envelope is evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum sinew_level {
-    /// The base without the correction. A kernel envelope starts from the joints, which cost almost
-    /// nothing. A rotational envelope starts from its reconstruction, which is the whole work.
-    /// `sinew_certificate.base_training_rms` is the error.
-    Joints = 1,
-    /// Base and correction, as `sinew_envelope_palette` computes.
-    Full = 2,
-}
-
-/// Computes the palette of `sinew_envelope_palette` at a level of evaluation, with the arguments of that
-/// call.
+/// Computes the base of the palette, for a character that is far away: `sinew_envelope_palette` without the
+/// correction, with the arguments of that call.
 ///
-/// - `level`: a `sinew_level`.
+/// The base of a kernel envelope is its joints, which cost almost nothing. The base of a rotational envelope
+/// is its reconstruction, which is the whole work. `sinew_certificate.base_training_rms` is the error.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `LENGTH`, `TOO_SHORT`,
-/// `NON_FINITE`, `TOO_LONG`, `OVERLAP`.
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`, `TOO_LONG`,
+/// `OVERLAP`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_envelope_palette_at(
+pub unsafe extern "C" fn sinew_envelope_base_palette(
     envelope: *const sinew_envelope,
-    level: u32,
     pose: *const sinew_matrix,
     pose_len: usize,
     curves: *const f32,
@@ -115,12 +102,6 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     out_confidence: *mut f32,
     out_error: *mut sinew_error,
 ) -> sinew_status {
-    let Some(known) = Level::ALL.into_iter().find(|known| *known as u32 == level) else {
-        let unknown = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Level);
-        let unknown = unknown.values(Level::Full as usize, level as usize);
-        // SAFETY: the caller's promise is passed on.
-        return unsafe { border::call(out_error, || Err(unknown)) };
-    };
     let evaluation = Evaluation::<Matrix3x4, Matrix3x4> {
         input: Array::new(pose.cast(), pose_len, sinew_argument::Pose),
         curves: Array::new(curves, curves_len, sinew_argument::Curves),
@@ -131,7 +112,7 @@ pub unsafe extern "C" fn sinew_envelope_palette_at(
     // SAFETY: the caller's promise is passed on.
     unsafe {
         evaluation.run_one(envelope, out_error, |envelope, input, curves, scratch, output| {
-            envelope.palette_at(known, input, curves, scratch, output)
+            envelope.base_palette(input, curves, scratch, output)
         })
     }
 }

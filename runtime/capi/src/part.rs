@@ -6,43 +6,40 @@ use crate::border::{self, Array, Loaded, Object, Span};
 use crate::error::{sinew_error, sinew_status};
 use crate::model::{self, sinew_model};
 use core::ffi::{c_char, c_void};
-use sinew_runtime::{CallError, Model};
+use core::mem::{align_of, size_of};
+use sinew_runtime::{CallError, Model, ModelPart, PartLayout};
+
+/// Length of a `uintptr_t` array that can hold a part of any kind on every target:
+/// `uintptr_t memory[SINEW_PART_WORDS]`.
+pub const SINEW_PART_WORDS: usize = 48;
 
 /// Content of a part's memory: the layout that opening found in the file, and the model's handle.
-pub(crate) struct Opened<L> {
-    layout: L,
+pub(crate) struct Opened {
+    layout: PartLayout,
     model: *const sinew_model,
 }
 
+const _: () = {
+    assert!(size_of::<Loaded<Opened>>() <= SINEW_PART_WORDS * size_of::<usize>());
+    assert!(align_of::<Loaded<Opened>>() <= align_of::<usize>());
+};
+
 /// An object that is a part of a model.
-pub(crate) trait Part: Object<Value = Opened<Self::Layout>> {
-    /// The runtime's description of where the part is in the file.
-    type Layout: 'static;
+pub(crate) trait Part: Object<Value = Opened> {
     /// The runtime's type that evaluates the part, borrowed from the file's bytes.
-    type View<'a>;
+    type View<'a>: ModelPart<'a>;
 
     /// Wraps loaded content in the structure that C knows.
-    fn wrap(loaded: Loaded<Self::Value>) -> Self;
-
-    /// Finds the `index`-th part with this name, or the `index`-th of all parts if `name` is `None`.
-    fn find(model: &Model<&[u8]>, name: Option<&str>, index: usize) -> Option<Self::Layout>;
-
-    /// Views the part; `None` if the bytes are those of another file.
-    fn view<'a>(layout: &Self::Layout, file: &'a [u8]) -> Option<Self::View<'a>>;
+    fn wrap(loaded: Loaded<Opened>) -> Self;
 }
 
-/// Implements [`Object`] and [`Part`] for an opaque structure of the header.
+/// Implements [`Object`] and [`Part`] for an opaque structure of the header, whose only field is [`Loaded`].
 ///
-/// The structure's only field is [`Loaded`]. The macro takes the layout and the view of the runtime, the method of
-/// [`Model`] that lists the parts, the tag of the memory, the argument that errors name, and the constant that limits
-/// the size in words.
+/// The macro takes the view of the runtime, the tag of the memory, and the argument that errors name.
 macro_rules! part {
-    (
-        $object:ident: $layout:ident to $view:ident, of Model::$list:ident,
-        tag $tag:literal, argument $argument:ident, within $words:ident
-    ) => {
+    ($object:ident: $view:ident, tag $tag:literal, argument $argument:ident) => {
         impl $crate::border::Object for $object {
-            type Value = $crate::part::Opened<$layout>;
+            type Value = $crate::part::Opened;
             const TAG: u32 = u32::from_le_bytes(*$tag);
             const ARGUMENT: $crate::argument::sinew_argument =
                 $crate::argument::sinew_argument::$argument;
@@ -53,31 +50,12 @@ macro_rules! part {
         }
 
         impl $crate::part::Part for $object {
-            type Layout = $layout;
             type View<'a> = $view<'a>;
 
-            fn wrap(loaded: $crate::border::Loaded<Self::Value>) -> Self {
+            fn wrap(loaded: $crate::border::Loaded<$crate::part::Opened>) -> Self {
                 Self(loaded)
             }
-
-            fn find(
-                model: &sinew_runtime::Model<&[u8]>,
-                name: Option<&str>,
-                index: usize,
-            ) -> Option<$layout> {
-                let matches = |part: &$view<'_>| name.is_none_or(|name| part.name() == name);
-                model.$list().filter(matches).nth(index).map(|part| part.layout())
-            }
-
-            fn view<'a>(layout: &$layout, file: &'a [u8]) -> Option<$view<'a>> {
-                layout.open(file)
-            }
         }
-
-        const _: () = {
-            assert!(size_of::<$object>() <= $words * size_of::<usize>());
-            assert!(align_of::<$object>() <= align_of::<usize>());
-        };
     };
 }
 pub(crate) use part;
@@ -93,41 +71,27 @@ pub(crate) struct Opening {
 }
 
 impl Opening {
-    /// Opens the part in the caller's memory and stores its handle.
+    /// Opens the part in the caller's memory.
     ///
     /// # Safety
-    /// The model's handle is null or points to memory as large as a model. The caller may read the name. The memory,
-    /// `out_part` and `out_error` may be written.
-    pub(crate) unsafe fn open<T: Part>(
-        &self,
-        out_part: *mut *const T,
-        out_error: *mut sinew_error,
-    ) -> sinew_status {
+    /// The model's handle is null or points to memory as large as a model. The caller may read the name. The memory
+    /// may be written.
+    pub(crate) unsafe fn open<T: Part>(&self) -> Result<(), sinew_error> {
         let Self { model, name, name_len, index, memory, memory_bytes } = *self;
-        let body = || {
-            // SAFETY: the caller's promise is passed on.
-            let (loaded, [handle, file]) = unsafe { model::loaded(model) }?;
-            let text = Array::new(name.cast::<u8>(), name_len, sinew_argument::Name)?;
-            let place = border::place::<T>(memory, memory_bytes)?;
-            let out = Array::one(out_part, sinew_argument::Result)?;
-            border::check_disjoint(&[place.span(), out.span()], &[handle, file, text.span()])?;
-            let layout = if name.is_null() {
-                T::find(loaded, None, index)
-            } else {
-                // SAFETY: lent by the caller. No part has a name that is not UTF-8.
-                let text = core::str::from_utf8(unsafe { text.read() });
-                text.ok().and_then(|text| T::find(loaded, Some(text), index))
-            };
-            let layout = layout.ok_or(sinew_error::new(sinew_status::NotFound, T::ARGUMENT))?;
-            let object = T::wrap(Loaded::new::<T>(Opened { layout, model }));
-            // SAFETY: the memory is large enough, aligned, lent by the caller, and overlaps nothing that is read.
-            unsafe { place.store(object) };
-            // SAFETY: one element, which the caller allows to be written.
-            unsafe { out.store(memory.cast_const().cast()) };
-            Ok(())
-        };
         // SAFETY: the caller's promise is passed on.
-        unsafe { border::call(out_error, body) }
+        let (loaded, [handle, file]) = unsafe { model::loaded(model) }?;
+        let text = Array::new(name.cast::<u8>(), name_len, sinew_argument::Name)?;
+        let place = border::place::<T>(memory, memory_bytes)?;
+        border::check_disjoint(&[place.span()], &[handle, file, text.span()])?;
+        // SAFETY: lent by the caller. No part has a name that is not UTF-8.
+        let text = core::str::from_utf8(unsafe { text.read() });
+        let matches = |part: &T::View<'_>| name.is_null() || text == Ok(part.name());
+        let found = loaded.all::<T::View<'_>>().filter(matches).nth(index);
+        let found = found.ok_or(sinew_error::new(sinew_status::NotFound, T::ARGUMENT))?;
+        let object = T::wrap(Loaded::new::<T>(Opened { layout: found.layout(), model }));
+        // SAFETY: the memory is large enough, aligned, lent by the caller, and overlaps nothing that is read.
+        unsafe { place.store(object) };
+        Ok(())
     }
 }
 
@@ -158,7 +122,7 @@ pub(crate) unsafe fn view_in<'a, T: Part + 'a>(
     let (part, own) = unsafe { border::object(at) }?;
     // SAFETY: the caller's promise is passed on.
     let (model, [handle, file]) = unsafe { model::loaded(part.model) }?;
-    let view = T::view(&part.layout, model.as_bytes());
+    let view = part.layout.open(model.as_bytes());
     let view = view.ok_or(sinew_error::new(sinew_status::Stale, T::ARGUMENT))?;
     Ok((view, model, [own, handle, file]))
 }

@@ -5,7 +5,7 @@ use crate::border::{self, Array, Span};
 use crate::envelope::{SINEW_NO_JOINT, sinew_envelope, sinew_local_transform, sinew_matrix};
 use crate::error::{sinew_error, sinew_status};
 use crate::part;
-use core::ffi::{CStr, c_char};
+use core::ffi::{CStr, c_char, c_void};
 use sinew_runtime::envelope::{FOLDED, PoseFault, PoseFaultKind};
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, gather_pose, scale_palette, take_scale};
 
@@ -120,12 +120,19 @@ pub unsafe extern "C" fn sinew_envelope_rest_locals(
     unsafe { border::call(out_error, body) }
 }
 
+/// Changes a name of the caller before it is compared with the file's names: returns a part of `name`, or
+/// another name that stays valid during the call. For example it removes the prefix `mixamorig:`.
+pub type sinew_rename =
+    Option<unsafe extern "C" fn(name: sinew_name, user: *mut c_void) -> sinew_name>;
+
 /// Finds the file's joints in the caller's skeleton by name, for `sinew_envelope_gather`. Names must be
 /// equal. A joint that the skeleton lacks follows its parent: compare `found_len` of `out_bound` with the
 /// envelope's `joint_len`.
 ///
 /// - `names`, `names_len`: names of the skeleton's joints, in its order; more or fewer than the file's. The
 ///   first of equal names counts.
+/// - `rename`, `user`: null, or a function that changes each name, called more than once for each name, and
+///   its second argument.
 /// - `out_map`, `map_len`: receives, for each of the J joints, the index of the skeleton's joint or
 ///   `SINEW_FOLDED`.
 /// - `out_bound`: null, or receives how many joints were found.
@@ -137,6 +144,8 @@ pub unsafe extern "C" fn sinew_envelope_bind(
     envelope: *const sinew_envelope,
     names: *const sinew_name,
     names_len: usize,
+    rename: sinew_rename,
+    user: *mut c_void,
     out_map: *mut u32,
     map_len: usize,
     out_bound: *mut sinew_bound_joints,
@@ -154,9 +163,14 @@ pub unsafe extern "C" fn sinew_envelope_bind(
         let names = unsafe { checked_names(names, &written) }?;
         // SAFETY: lent by the caller; overlaps nothing else.
         let out = unsafe { out.write() };
-        // SAFETY: the names have been checked.
-        let bound =
-            envelope.bind_joints(names.iter().map(|name| unsafe { name_bytes(name) }), out)?;
+        let renamed = |name: &sinew_name| match rename {
+            // SAFETY: the caller's function, which the caller lends with its argument.
+            Some(rename) => unsafe { rename(*name, user) },
+            None => *name,
+        };
+        // SAFETY: the names have been checked, or come from the caller's function.
+        let names = names.iter().map(|name| unsafe { name_bytes(&renamed(name)) });
+        let bound = envelope.bind_joints(names, out)?;
         let bound = sinew_bound_joints {
             found_len: bound.found_len as u32,
             missing_parent: bound.missing_parent.map_or(SINEW_NO_JOINT, |joint| joint as u32),
@@ -406,7 +420,7 @@ unsafe fn checked_names<'a>(
 /// # Safety
 /// The pointer and the length have been checked. For `'a` the caller keeps the bytes unchanged.
 unsafe fn name_bytes<'a>(name: &sinew_name) -> &'a [u8] {
-    if name.name_len == 0 {
+    if name.name_len == 0 || name.name.is_null() {
         return &[];
     }
     // SAFETY: not null, and of a length that fits; the rest is the caller's promise.

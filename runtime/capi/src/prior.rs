@@ -4,17 +4,11 @@ use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded, Span};
 use crate::envelope::sinew_matrix;
 use crate::error::{sinew_error, sinew_status};
-use crate::model::sinew_model;
-use crate::part::{self, Opened, Opening};
+use crate::part::{self, Opened};
 use crate::skin::sinew_skin;
-use core::ffi::{c_char, c_void};
-use core::mem::{align_of, size_of};
-use sinew_runtime::prior::{Anchor, PriorLayout, Temporal};
+use core::ffi::c_char;
+use sinew_runtime::prior::{Anchor, Temporal};
 use sinew_runtime::{Matrix3x4, Pin, PinJob, Pins, Prior, Skin};
-
-/// Length of a `uintptr_t` array that can hold a prior on every target:
-/// `uintptr_t memory[SINEW_PRIOR_WORDS]`.
-pub const SINEW_PRIOR_WORDS: usize = 48;
 
 /// Maximum number of pins of a job.
 pub const SINEW_PINS_MAX: usize = 64;
@@ -23,12 +17,9 @@ pub const SINEW_PINS_MAX: usize = 64;
 ///
 /// The prior points to its model. Every call refuses the prior once the model was cleared or has loaded
 /// another file.
-pub struct sinew_prior(Loaded<Opened<PriorLayout>>);
+pub struct sinew_prior(Loaded<Opened>);
 
-part::part! {
-    sinew_prior: PriorLayout to Prior, of Model::priors,
-    tag b"SnwP", argument Prior, within SINEW_PRIOR_WORDS
-}
+part::part! { sinew_prior: Prior, tag b"SnwP", argument Prior }
 
 /// Counts and measured errors of a prior. Lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,38 +126,6 @@ pub struct sinew_edit {
     pub round_len: u32,
     /// 1 if the weights are the minimum within the bounds, 0 if they were clamped to the bounds.
     pub is_least: u32,
-}
-
-/// Returns the size of a prior in bytes: at most `SINEW_PRIOR_WORDS` words.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_prior_bytes() -> usize {
-    size_of::<sinew_prior>()
-}
-
-/// Opens a prior of a model.
-///
-/// - `name`, `name_len`: the prior's name in UTF-8, without a terminating zero; null and 0 match every
-///   name.
-/// - `index`: position among the priors with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the prior: at least `sinew_prior_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_prior`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_prior_open(
-    model: *const sinew_model,
-    name: *const c_char,
-    name_len: usize,
-    index: usize,
-    memory: *mut c_void,
-    memory_bytes: usize,
-    out_prior: *mut *const sinew_prior,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { opening.open(out_prior, out_error) }
 }
 
 /// Describes a prior.

@@ -3,28 +3,18 @@
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
 use crate::error::{SINEW_NO_PART, sinew_error, sinew_status};
-use crate::model::sinew_model;
-use crate::part::{self, Opened, Opening};
-use core::ffi::{c_char, c_void};
-use core::mem::{align_of, size_of};
+use crate::part::{self, Opened};
+use core::ffi::c_char;
 use core::ops::Range;
 use sinew_runtime::Skin;
-use sinew_runtime::skin::SkinLayout;
-
-/// Length of a `uintptr_t` array that can hold a skin on every target:
-/// `uintptr_t memory[SINEW_SKIN_WORDS]`.
-pub const SINEW_SKIN_WORDS: usize = 48;
 
 /// A mesh of V vertices that follows an envelope's palette. A skin without an envelope stays at rest.
 ///
 /// The skin points to its model. Every call refuses the skin once the model was cleared or has loaded
 /// another file.
-pub struct sinew_skin(Loaded<Opened<SkinLayout>>);
+pub struct sinew_skin(Loaded<Opened>);
 
-part::part! {
-    sinew_skin: SkinLayout to Skin, of Model::skins,
-    tag b"SnwS", argument Skin, within SINEW_SKIN_WORDS
-}
+part::part! { sinew_skin: Skin, tag b"SnwS", argument Skin }
 
 /// Counts of a skin, and the lengths of all arrays that its calls take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,37 +57,6 @@ pub struct sinew_range {
     pub start: usize,
     /// One more than the last vertex.
     pub end: usize,
-}
-
-/// Returns the size of a skin in bytes: at most `SINEW_SKIN_WORDS` words.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_skin_bytes() -> usize {
-    size_of::<sinew_skin>()
-}
-
-/// Opens a skin of a model.
-///
-/// - `name`, `name_len`: the skin's name in UTF-8, without a terminating zero; null and 0 match every name.
-/// - `index`: position among the skins with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the skin: at least `sinew_skin_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_skin`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_skin_open(
-    model: *const sinew_model,
-    name: *const c_char,
-    name_len: usize,
-    index: usize,
-    memory: *mut c_void,
-    memory_bytes: usize,
-    out_skin: *mut *const sinew_skin,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { opening.open(out_skin, out_error) }
 }
 
 /// Describes a skin.

@@ -3,27 +3,18 @@
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
 use crate::error::{sinew_error, sinew_status};
-use crate::model::sinew_model;
-use crate::part::{self, Opened, Opening};
-use core::ffi::{c_char, c_void};
-use core::mem::{align_of, size_of};
-use sinew_runtime::views::{RenderScratch, ViewsLayout};
+use crate::part::{self, Opened};
+use core::ffi::c_char;
+use sinew_runtime::views::RenderScratch;
 use sinew_runtime::{Frame, FrameJob, KernelMap, Model, RenderJob, Views};
-
-/// Length of a `uintptr_t` array that can hold views on every target:
-/// `uintptr_t memory[SINEW_VIEWS_WORDS]`.
-pub const SINEW_VIEWS_WORDS: usize = 48;
 
 /// A drawn object, interpolated between its key views.
 ///
 /// The views point to their model. Every call refuses the views once the model was cleared or has loaded
 /// another file.
-pub struct sinew_views(Loaded<Opened<ViewsLayout>>);
+pub struct sinew_views(Loaded<Opened>);
 
-part::part! {
-    sinew_views: ViewsLayout to Views, of Model::all_views,
-    tag b"SnwV", argument Views, within SINEW_VIEWS_WORDS
-}
+part::part! { sinew_views: Views, tag b"SnwV", argument Views }
 
 /// Counts and measured errors of views. Lengths are in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -199,37 +190,6 @@ pub struct sinew_drawn {
     pub flipped_len: usize,
 }
 
-/// Returns the size of views in bytes: at most `SINEW_VIEWS_WORDS` words.
-#[unsafe(no_mangle)]
-pub extern "C" fn sinew_views_bytes() -> usize {
-    size_of::<sinew_views>()
-}
-
-/// Opens views of a model.
-///
-/// - `name`, `name_len`: the views' name in UTF-8, without a terminating zero; null and 0 match every name.
-/// - `index`: position among the views with this name; 0 is the first.
-/// - `memory`, `memory_bytes`: memory for the views: at least `sinew_views_bytes()` bytes, aligned like a
-///   `uintptr_t`.
-/// - `out_views`: receives the handle, which equals `memory`.
-///
-/// Returns `NULL`, `MISALIGNED`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`, `NOT_LOADED`, `NOT_FOUND`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_views_open(
-    model: *const sinew_model,
-    name: *const c_char,
-    name_len: usize,
-    index: usize,
-    memory: *mut c_void,
-    memory_bytes: usize,
-    out_views: *mut *const sinew_views,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let opening = Opening { model, name, name_len, index, memory, memory_bytes };
-    // SAFETY: the caller's promise is passed on.
-    unsafe { opening.open(out_views, out_error) }
-}
-
 /// Describes views.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
@@ -336,8 +296,8 @@ pub unsafe extern "C" fn sinew_views_frame(
         // SAFETY: lent by the caller; written memory overlaps nothing else.
         let (points, visibility, scores, layers) =
             unsafe { (points.write(), visibility.write(), scores.write(), layers.write()) };
-        let run = FrameJob { views, map, parameters };
-        let found = run.run(scratch, Frame { points, visibility, scores, layers })?;
+        let mut frame = Frame::new(points, visibility, scores, layers);
+        let found = FrameJob::new(views, map, parameters).run(scratch, &mut frame)?;
         // SAFETY: one element, which the caller allows to be written.
         unsafe { out.store(sinew_found { view: found.view, confidence: found.confidence }) };
         Ok(())

@@ -26,6 +26,7 @@ named! {
     /// Predictor of an envelope's palette (METHOD §1.9).
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u8)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum Predictor {
         /// Rotational regression and reconstruction (S3): the palette is the P proxies.
         Rotational = 1, "rotational";
@@ -33,19 +34,22 @@ named! {
         Kernel = 2, "kernel";
     }
     /// Every predictor.
-    ALL;
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) ALL;
     /// Returns the predictor's name on the command line.
-    name;
+    pub name;
 }
 
 impl Predictor {
     /// Returns the predictor's number in the file.
-    pub const fn number(self) -> u8 {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn number(self) -> u8 {
         self as u8
     }
 
     /// Returns the predictor with a number; `None` if there is none.
-    pub const fn from_number(number: u32) -> Option<Self> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn from_number(number: u32) -> Option<Self> {
         match number {
             1 => Some(Self::Rotational),
             2 => Some(Self::Kernel),
@@ -54,12 +58,14 @@ impl Predictor {
     }
 
     /// Whether the base of the proxies is the reconstruction `c1 d + c2 q`.
-    pub const fn reconstructs(self) -> bool {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn reconstructs(self) -> bool {
         matches!(self, Self::Rotational)
     }
 
     /// Whether kernel maps correct the helpers.
-    pub const fn corrects(self) -> bool {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn corrects(self) -> bool {
         matches!(self, Self::Kernel)
     }
 }
@@ -69,6 +75,7 @@ const NO_FORECAST: f32 = -1.0;
 
 /// Measured errors of the fit, in the units of the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct Certificate {
     /// Diagonal of the box around the rest pose.
     pub diagonal: f32,
@@ -80,7 +87,7 @@ pub struct Certificate {
     pub lbs_training_rms: f32,
     /// Largest error of a vertex that single precision may cause in the correction; 0 without a correction.
     pub correction_error: f32,
-    /// RMS error over vertices and training frames at [`super::Level::Joints`].
+    /// RMS error over vertices and training frames of [`crate::Envelope::base_palette`].
     pub base_training_rms: f32,
     /// Forecast of the RMS error on another clip, from fits that left clips out. `None` if training had one clip.
     pub other_clip_rms: Option<f32>,
@@ -88,10 +95,12 @@ pub struct Certificate {
 
 impl Certificate {
     /// Bytes of section `certificate`.
-    pub const BYTES: usize = 28;
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const BYTES: usize = 28;
 
     /// Lists the figures in the order of the file.
-    pub const fn figures(&self) -> [f32; 7] {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn figures(&self) -> [f32; 7] {
         [
             self.diagonal,
             self.training_rms,
@@ -107,7 +116,8 @@ impl Certificate {
     }
 
     /// Makes a certificate from figures in the order of the file.
-    pub const fn from_figures(figures: [f32; 7]) -> Self {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn from_figures(figures: [f32; 7]) -> Self {
         let [diagonal, training_rms, same_clips_rms, lbs_training_rms, ..] = figures;
         let [.., correction_error, base_training_rms, other_clip] = figures;
         Self {

@@ -8,23 +8,6 @@ use super::{confidence, helpers, polar, rotational};
 use crate::error::{Argument, CallError};
 use crate::linear::Matrix3x4;
 
-/// Level of evaluation. A character far away can do without [`Level::Full`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Level {
-    /// The base of the correction: the joints, or the reconstruction. The cost is next to nothing for a kernel
-    /// envelope, and the full cost for a rotational envelope. [`super::Certificate::base_training_rms`] is the error.
-    Joints = 1,
-    /// The whole palette. [`super::Certificate::training_rms`] is the error.
-    #[default]
-    Full = 2,
-}
-
-impl Level {
-    /// Every level, the cheapest first.
-    pub const ALL: [Self; 2] = [Self::Joints, Self::Full];
-}
-
 impl Envelope<'_> {
     /// Returns the floats of scratch that [`Envelope::palette`] needs.
     pub const fn scratch_len(&self) -> usize {
@@ -32,7 +15,8 @@ impl Envelope<'_> {
     }
 
     /// Returns the floats of scratch that stage `correction` needs; 0 without groups.
-    pub const fn correction_len(&self) -> usize {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn correction_len(&self) -> usize {
         self.0.layout.counts[place::CORRECTION] as usize
     }
 
@@ -75,16 +59,16 @@ impl Envelope<'_> {
         Ok(self.any_palette(pose, scratch, out_palette))
     }
 
-    /// Computes a palette at a level of evaluation.
+    /// Computes the base of the palette, for a character that is far away: the palette without the correction.
     ///
-    /// [`Level::Full`] gives the bits of [`Envelope::palette`]. [`Level::Joints`] leaves the correction out, and the
-    /// confidence is 1 unless the envelope is rotational. The other arguments are as for [`Envelope::palette`].
+    /// The cost is next to nothing for a kernel envelope, whose base is its joints, and the full cost for a rotational
+    /// envelope. [`super::Certificate::base_training_rms`] is the error. The arguments and the result are as for
+    /// [`Envelope::palette`]; the confidence is 1 unless the envelope is rotational.
     ///
     /// # Errors
     /// The errors of [`Envelope::palette`].
-    pub fn palette_at(
+    pub fn base_palette(
         &self,
-        level: Level,
         pose: &[Matrix3x4],
         curves: &[f32],
         scratch: &mut [f32],
@@ -93,13 +77,11 @@ impl Envelope<'_> {
         let pose = Pose { joints: pose, curves };
         self.check_lengths(1, pose, scratch, out_palette)?;
         self.check_finite(pose)?;
-        Ok(match level {
-            Level::Joints if !self.predictor().reconstructs() => {
-                helpers::joints(self, pose.joints, out_palette);
-                1.0
-            }
-            _ => self.any_palette(pose, scratch, out_palette),
-        })
+        if self.predictor().reconstructs() {
+            return Ok(self.any_palette(pose, scratch, out_palette));
+        }
+        helpers::joints(self, pose.joints, out_palette);
+        Ok(1.0)
     }
 
     /// Computes the confidence of each joint, which shows where the confidence of [`Envelope::palette`] comes from.

@@ -1,6 +1,6 @@
 //! Envelopes: from a pose to a palette of transforms (METHOD §1.8).
 //!
-//! [`Envelope::palette`] runs the stages of the envelope's predictor. [`crate::stages`] has each stage as a function.
+//! [`Envelope::palette`] runs the stages of the envelope's predictor. With the feature `internals`, `stages` has each stage as a function.
 //!
 //! | predictor | base of the palette | correction | confidence |
 //! |---|---|---|---|
@@ -24,16 +24,21 @@ mod scratch;
 mod view;
 
 pub(crate) use counts::RULES;
-pub use counts::{
-    BIND_TOLERANCE, Certificate, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor,
-    STRAIN_LEN, TWIST_MAX,
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use counts::{
+    BIND_TOLERANCE, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, STRAIN_LEN, TWIST_MAX,
 };
-pub use evaluate::Level;
-pub use group::{Group, GroupConfidence, GroupKernel, GroupRow};
+pub use counts::{Certificate, Predictor};
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use group::{Group, GroupConfidence, GroupKernel, GroupRow};
 pub use pose::{
-    BoundJoints, CURVE_MARGIN, FOLDED, GAP_MARGIN, GAP_TOLERANCE, LocalTransform, PoseFault,
-    PoseFaultKind, RIGID_TOLERANCE, STRETCH_MARGIN, gather_pose, model_space_pose,
+    BoundJoints, FOLDED, LocalTransform, PoseFault, PoseFaultKind, gather_pose, model_space_pose,
     model_space_pose_under, skeleton_hash_of,
 };
-pub use scratch::{ScratchLayout, scratch_len};
-pub use view::{Envelope, EnvelopeLayout, Key};
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use pose::{CURVE_MARGIN, GAP_MARGIN, GAP_TOLERANCE, RIGID_TOLERANCE, STRETCH_MARGIN};
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use scratch::{ScratchLayout, scratch_len};
+pub use view::Envelope;
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use view::Key;

@@ -59,7 +59,7 @@ pub(crate) struct KeyRow<'a> {
     pub(crate) stretch: Option<&'a [Le; 36]>,
 }
 
-part::view! { Envelope, EnvelopeLayout, |words| -> EnvelopeCounts { EnvelopeCounts::read(words) } }
+part::view! { Envelope, Envelope, |words| -> EnvelopeCounts { EnvelopeCounts::read(words) } }
 
 impl<'a> Envelope<'a> {
     /// Returns J, the number of joints.
@@ -68,7 +68,8 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns P, the number of proxies; for the kernel predictor, the number of helpers.
-    pub const fn proxy_len(&self) -> usize {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn proxy_len(&self) -> usize {
         self.0.layout.counts[place::PROXIES] as usize
     }
 
@@ -83,7 +84,8 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns G, the number of groups of helpers that share a kernel map.
-    pub const fn group_len(&self) -> usize {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn group_len(&self) -> usize {
         self.0.layout.counts[place::GROUPS] as usize
     }
 
@@ -98,7 +100,8 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns the reference root: the joint without a parent; 0 if there is no joint.
-    pub const fn root(&self) -> usize {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn root(&self) -> usize {
         self.0.layout.counts[place::ROOT] as usize
     }
 
@@ -124,7 +127,8 @@ impl<'a> Envelope<'a> {
     }
 
     /// Lists the J joints so that each comes after its parent.
-    pub fn evaluation_order(&self) -> impl ExactSizeIterator<Item = usize> + use<'a> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn evaluation_order(&self) -> impl ExactSizeIterator<Item = usize> + use<'a> {
         self.thirds()[1].iter().map(|le| usize::from(u16::from_le_bytes(*le)))
     }
 
@@ -134,7 +138,8 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns a joint's origin in the rest pose, in model space; `None` for a rotational envelope.
-    pub fn origin(&self, joint: usize) -> Option<[f32; 3]> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn origin(&self, joint: usize) -> Option<[f32; 3]> {
         self.0.entry(ORIGINS, self.joint_len(), joint).map(floats)
     }
 
@@ -167,18 +172,21 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns the key predictor of a proxy; `None` for a kernel envelope.
-    pub fn key(&self, proxy: usize) -> Option<Key> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn key(&self, proxy: usize) -> Option<Key> {
         (proxy < self.proxy_len()).then(|| self.keys().nth(proxy))??.to_key()
     }
 
     /// Returns a coefficient of c1 (4 P x 3 P).
-    pub fn c1(&self, row: usize, column: usize) -> Option<f32> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn c1(&self, row: usize, column: usize) -> Option<f32> {
         let shape = (4 * self.proxy_len(), 3 * self.proxy_len());
         block_entry(self.c1_blocks(), shape, row, column)
     }
 
     /// Returns a coefficient of c2 (4 P x 4 J).
-    pub fn c2(&self, row: usize, column: usize) -> Option<f32> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn c2(&self, row: usize, column: usize) -> Option<f32> {
         let shape = (4 * self.proxy_len(), 4 * self.joint_len());
         block_entry(self.c2_blocks(), shape, row, column)
     }

@@ -5,6 +5,7 @@ use core::fmt;
 
 /// Reason why a file was refused, with its place. FORMAT.md lists the checks in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct FileError {
     /// Kind of the mistake.
     pub kind: FileErrorKind,
@@ -24,6 +25,7 @@ pub struct FileError {
 /// Kinds of mistakes in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub enum FileErrorKind {
     /// The first four bytes, `found`, are not the magic of a model.
     NotAModel,
@@ -67,8 +69,8 @@ pub enum FileErrorKind {
     Length,
     /// Count `index` of the section is zero, expected at least one.
     Empty,
-    /// Float `index` is out of range. The float is not finite, larger than [`super::MAGNITUDE_MAX`]
-    /// ([`super::CORRECTION_MAX`] in a correction), negative in a section of unsigned floats, or
+    /// Float `index` is out of range. The float is not finite, larger than 1e9
+    /// (1e6 in a correction), negative in a section of unsigned floats, or
     /// subnormal in half precision.
     Float,
     /// Element `index` is `found`, expected less than `expected`.

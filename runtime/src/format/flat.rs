@@ -5,15 +5,18 @@ macro_rules! flat {
     ($type:ident of $section:literal, $to:ident, $from:ident: [$number:ty; $len:literal] { $($field:ident),* }) => {
         impl $type {
             #[doc = concat!("Bytes of section `", $section, "`.")]
-            pub const BYTES: usize = 4 * $len;
+            #[cfg_attr(feature = "internals", visibility::make(pub))]
+            pub(crate) const BYTES: usize = 4 * $len;
 
             #[doc = concat!("Lists the ", stringify!($to), " in the order of the file.")]
-            pub const fn $to(&self) -> [$number; $len] {
+            #[cfg_attr(feature = "internals", visibility::make(pub))]
+            pub(crate) const fn $to(&self) -> [$number; $len] {
                 [$(self.$field),*]
             }
 
             #[doc = concat!("Makes the structure from ", stringify!($to), " in the order of the file.")]
-            pub const fn $from([$($field),*]: [$number; $len]) -> Self {
+            #[cfg_attr(feature = "internals", visibility::make(pub))]
+            pub(crate) const fn $from([$($field),*]: [$number; $len]) -> Self {
                 Self { $($field),* }
             }
         }

@@ -5,7 +5,7 @@ use super::message::{ALIGNMENT, CHECKSUM_OFFSET, FEATURES, HEAD_BYTES, MAGIC, VE
 use super::refusal::{Checked, Loading, Refused};
 use super::sections::SectionKind;
 use super::space::Space;
-use super::tables::{Element, PartKind, PartRow, REQUIRED, SectionRow};
+use super::tables::{EVALUATED, Element, PartRow, REQUIRED, SectionRow};
 use core::num::NonZeroU16;
 
 /// Places where a file can end early, as errors number them.
@@ -100,7 +100,8 @@ impl FileId {
     }
 
     /// Reads the identity; `None` if the bytes are too short for a file.
-    pub fn of(file: &[u8]) -> Option<Self> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn of(file: &[u8]) -> Option<Self> {
         let checksum = file.get(CHECKSUM_OFFSET..)?.first_chunk()?;
         Some(Self { len: narrow(file.len()), checksum: u32::from_le_bytes(*checksum) })
     }
@@ -198,7 +199,7 @@ impl Manifest {
         for (part, row) in (0..).zip(self.parts(file)) {
             let unknown = if row.flags & !REQUIRED != 0 {
                 row.flags
-            } else if row.required() && PartKind::from_number(row.kind).is_none() {
+            } else if row.required() && !is_evaluated(row) {
                 row.kind
             } else {
                 continue;
@@ -250,10 +251,15 @@ impl Manifest {
     }
 }
 
+/// Whether this build evaluates the kind of a part.
+fn is_evaluated(row: PartRow) -> bool {
+    EVALUATED.iter().any(|kind| kind.number() == row.kind)
+}
+
 /// Finds an unknown value in the row of a part's section. Element types are checked only for known
 /// kinds of parts.
 fn unknown(part: PartRow, row: &SectionRow) -> Option<u16> {
-    let is_known = PartKind::from_number(part.kind).is_some();
+    let is_known = is_evaluated(part);
     if u16::from(row.flags) & !REQUIRED != 0 {
         Some(row.flags.into())
     } else if row.reserved != 0 {

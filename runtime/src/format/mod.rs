@@ -1,6 +1,6 @@
 //! The file format: its layout, defined once for reader and writer.
 //!
-//! `FORMAT.md` is the byte-level contract. A file is one postcard message, [`File`], with a table
+//! `FORMAT.md` is the byte-level contract. A file is one postcard message, with a table
 //! of parts and a table of sections. Each kind of part defines the content of its sections.
 //!
 //! Loading checks in this order, which FORMAT.md states:
@@ -34,10 +34,15 @@ pub(crate) use error::saturated;
 pub use error::{FileError, FileErrorKind};
 pub use manifest::FileId;
 pub(crate) use manifest::Manifest;
-pub use message::{
+pub use message::VERSION;
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use message::{
     ALIGNMENT, CHECKSUM_OFFSET, CORRECTION_MAX, FEATURES, File, MAGIC, MAGNITUDE_MAX, TRAVEL_MAX,
-    VERSION, checksum,
+    checksum,
 };
 pub use sections::SectionKind;
 pub use space::{Axis, Handedness, Space};
-pub use tables::{Element, PartKind, PartRow, SectionRow};
+pub(crate) use tables::EVALUATED;
+pub use tables::PartKind;
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use tables::{Element, PartRow, SectionRow};

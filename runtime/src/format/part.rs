@@ -4,6 +4,7 @@ use super::error::{FileErrorKind as Kind, saturated};
 use super::manifest::{FileId, Manifest, Tables};
 use super::refusal::{Checked, Loading};
 use super::rule::{ALWAYS, OPTIONAL, Rule};
+use super::tables::PartKind;
 use crate::linear::Le;
 use core::num::NonZeroU16;
 
@@ -33,12 +34,14 @@ pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") {
     12 + 2 * cfg!(feature = "stretch") as usize + cfg!(feature = "curves") as usize
 };
 
-/// Offsets that loading stores for a part. The layout borrows nothing: it can be kept beside the
-/// model, and makes views every frame.
+/// Counts of a part and the offsets of its arrays. The layout borrows nothing: it can be kept beside
+/// the file's bytes, and makes views every frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PartLayout {
+pub struct PartLayout {
     file: FileId,
     part: u16,
+    /// Number of the part's kind; 0 for no part.
+    kind: u16,
     /// The part's counts, in the order of the file, then values that follow from other parts.
     pub(crate) counts: [u32; COUNTS],
     /// Row of each section in the section table, counted from 1, in the order of the rules.
@@ -46,46 +49,45 @@ pub(crate) struct PartLayout {
     tables: Tables,
 }
 
+/// View of one kind of part, which [`crate::Model`] makes. Not nameable outside this crate.
+pub trait View<'a>: Sized {
+    /// Kind of the part.
+    const KIND: PartKind;
+
+    /// Makes the view of a part of the kind.
+    fn of(part: Part<'a>) -> Self;
+}
+
+/// Part of a model: an [`crate::Envelope`], a [`crate::Skin`], or a part of another kind.
+///
+/// Only views of this crate implement the trait.
+pub trait ModelPart<'a>: View<'a> {
+    /// Returns the part's name.
+    fn name(&self) -> &'a str;
+
+    /// Returns the layout, to open the part again later.
+    fn layout(&self) -> PartLayout;
+}
+
 /// Defines the members that views of all kinds of parts share: layout, location, name and counts.
 macro_rules! view {
-    ($view:ident, $layout:ident, |$words:ident| -> $counts:ident { $read:expr }) => {
-        #[doc = concat!("Layout of a part, [`", stringify!($view), "`]: its counts and the offsets of its arrays.")]
-        ///
-        /// It borrows nothing: it can be kept beside the model, and makes views every frame.
-        #[derive(Clone, Copy, Debug)]
-        pub struct $layout(pub(crate) $crate::format::part::PartLayout);
-
-        impl $layout {
-            /// Returns the part; `None` if the bytes have another length or stated checksum than
-            /// the file of this layout.
-            ///
-            /// Nothing is read again. With other changes in the bytes the part gives wrong results,
-            /// but never panics.
-            pub fn open<'a>(&self, file: &'a [u8]) -> Option<$view<'a>> {
-                self.0.open(file).map($view)
-            }
-
-            /// Returns the counts.
-            pub const fn counts(&self) -> $counts {
-                let $words = &self.0.counts;
-                $read
-            }
-        }
-
+    ($view:ident, $kind:ident, |$words:ident| -> $counts:ident { $read:expr }) => {
         impl<'a> $view<'a> {
             /// Returns the layout, to open the part again later.
-            pub const fn layout(&self) -> $layout {
-                $layout(self.0.layout)
+            pub const fn layout(&self) -> $crate::PartLayout {
+                self.0.layout
             }
 
             /// Returns the identity of the part's file.
-            pub const fn file(&self) -> $crate::format::FileId {
+            #[cfg_attr(feature = "internals", visibility::make(pub))]
+            pub(crate) const fn file(&self) -> $crate::format::FileId {
                 self.0.id()
             }
 
             /// Returns the part's index in [`crate::Model::parts`]. The rows of
             /// [`crate::Model::sections`] refer to the index.
-            pub const fn part(&self) -> usize {
+            #[cfg_attr(feature = "internals", visibility::make(pub))]
+            pub(crate) const fn part(&self) -> usize {
                 self.0.index()
             }
 
@@ -95,8 +97,28 @@ macro_rules! view {
             }
 
             /// Returns its counts.
-            pub const fn counts(&self) -> $counts {
-                self.layout().counts()
+            #[cfg_attr(feature = "internals", visibility::make(pub))]
+            pub(crate) const fn counts(&self) -> $counts {
+                let $words = &self.0.layout.counts;
+                $read
+            }
+        }
+
+        impl<'a> $crate::format::part::View<'a> for $view<'a> {
+            const KIND: $crate::format::PartKind = $crate::format::PartKind::$kind;
+
+            fn of(part: $crate::format::part::Part<'a>) -> Self {
+                Self(part)
+            }
+        }
+
+        impl<'a> $crate::ModelPart<'a> for $view<'a> {
+            fn name(&self) -> &'a str {
+                self.name()
+            }
+
+            fn layout(&self) -> $crate::PartLayout {
+                self.layout()
             }
         }
 
@@ -148,6 +170,7 @@ impl PartLayout {
     pub(crate) const NOTHING: Self = Self {
         file: FileId::NONE,
         part: 0,
+        kind: 0,
         counts: [0; COUNTS],
         rows: [None; SECTIONS],
         tables: Tables::NOTHING,
@@ -170,15 +193,20 @@ impl PartLayout {
         self.rows[place].is_some()
     }
 
-    /// Returns the part; `None` if the bytes are not from the file of this layout.
-    pub(crate) fn open<'a>(&self, file: &'a [u8]) -> Option<Part<'a>> {
-        (FileId::of(file) == Some(self.file)).then_some(Part { layout: *self, file })
+    /// Opens the part again: `layout.open::<Envelope>(bytes)`.
+    ///
+    /// Returns `None` if the part is of another kind, or if the bytes have another length or stated
+    /// checksum than the file of this layout. Nothing is read again. With other changes in the bytes
+    /// the part gives wrong results, but never panics.
+    pub fn open<'a, P: ModelPart<'a>>(&self, file: &'a [u8]) -> Option<P> {
+        let is_same = self.kind == P::KIND.number() && FileId::of(file) == Some(self.file);
+        is_same.then_some(P::of(Part { layout: *self, file }))
     }
 }
 
 /// A part and its file.
 #[derive(Clone, Copy)]
-pub(crate) struct Part<'a> {
+pub struct Part<'a> {
     pub(crate) layout: PartLayout,
     pub(crate) file: &'a [u8],
 }
@@ -198,7 +226,7 @@ impl<'a> Part<'a> {
         &mut self,
         loading: &Loading<'_>,
         manifest: &Manifest,
-        part: u16,
+        (kind, part): (PartKind, u16),
         rules: &[Rule],
     ) -> Checked {
         for (index, row) in manifest.sections(self.file).enumerate() {
@@ -209,6 +237,7 @@ impl<'a> Part<'a> {
         }
         let layout = &mut self.layout;
         (layout.file, layout.part, layout.tables) = (manifest.id(), part, manifest.tables());
+        layout.kind = kind.number();
         Ok(())
     }
 

@@ -7,6 +7,7 @@ named! {
     /// A kind of section. A number never changes meaning. Each kind of part defines its own sections.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u16)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum SectionKind {
         /// Names of the part and its components: joints, ranges of vertices, inputs and outputs.
         Names = 1, "names";
@@ -135,13 +136,13 @@ named! {
         /// Measured error of a filter on its training data.
         FilterFit = 63, "filter_fit";
         /// Counts of a record.
-        RecordCounts = 64, "record_counts" if "record";
+        RecordCounts = 64, "record_counts";
         /// Marks that identify training frames.
-        FrameMarks = 65, "frame_marks" if "record";
+        FrameMarks = 65, "frame_marks";
         /// Joints of linear blend skinning.
-        LbsJoints = 66, "lbs_joints" if "record";
+        LbsJoints = 66, "lbs_joints";
         /// Weights of linear blend skinning.
-        LbsWeights = 67, "lbs_weights" if "record";
+        LbsWeights = 67, "lbs_weights";
         /// Element across each edge of an element.
         Neighbours = 68, "neighbours";
         /// Places of vertices in the textures of key views.
@@ -154,24 +155,28 @@ named! {
         CurveRanges = 72, "curve_ranges";
     }
     /// Every kind, by number.
-    ALL;
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) ALL;
     /// Returns its name, as in FORMAT.md.
-    name;
+    pub name;
 }
 
 impl SectionKind {
     /// Returns its number in the file.
-    pub const fn number(self) -> u16 {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn number(self) -> u16 {
         self as u16
     }
 
     /// Returns the kind with this number.
-    pub fn from_number(number: u16) -> Option<Self> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn from_number(number: u16) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.number() == number)
     }
 
     /// Returns the allowed types of its elements; a file's row chooses one.
-    pub const fn elements(self) -> &'static [Element] {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn elements(self) -> &'static [Element] {
         match self {
             Self::Names | Self::Keys | Self::Groups | Self::Corrections => &[Element::Mixed],
             Self::KernelRule | Self::Inputs | Self::Outputs => &[Element::Mixed],
@@ -179,12 +184,10 @@ impl SectionKind {
             Self::Vertices | Self::VertexWeights => &[Element::Mixed],
             Self::Hierarchy | Self::InfluenceIndices | Self::Terms => &[Element::U16],
             Self::CancelPairs | Self::Elements | Self::Neighbours => &[Element::U16],
-            #[cfg(feature = "record")]
             Self::LbsJoints | Self::LbsWeights => &[Element::U16],
             Self::EnvelopeCounts | Self::SkinCounts | Self::Ranges => &[Element::U32],
             Self::KernelCounts | Self::ShapeBlocks | Self::ShapeEntries => &[Element::U32],
             Self::PriorCounts | Self::ViewsCounts | Self::FilterCounts => &[Element::U32],
-            #[cfg(feature = "record")]
             Self::RecordCounts => &[Element::U32],
             Self::Layers => &[Element::U32],
             Self::Maps | Self::ViewTextures | Self::ViewMasks | Self::Textures => &[Element::U32],

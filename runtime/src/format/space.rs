@@ -22,24 +22,28 @@ named! {
         MinusZ = 6, "-z";
     }
     /// Every direction.
-    ALL;
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) ALL;
     /// Returns its name, as on the command line.
-    name;
+    pub name;
 }
 
 impl Axis {
     /// Returns its number in the file.
-    pub const fn number(self) -> u8 {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn number(self) -> u8 {
         self as u8
     }
 
     /// Returns the direction of this number.
-    pub fn from_number(number: u8) -> Option<Self> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn from_number(number: u8) -> Option<Self> {
         Self::ALL.get(usize::from(number).checked_sub(1)?).copied()
     }
 
     /// Whether both directions lie along one axis.
-    pub const fn is_along(self, other: Self) -> bool {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn is_along(self, other: Self) -> bool {
         (self as u8 - 1) / 2 == (other as u8 - 1) / 2
     }
 }
@@ -87,7 +91,8 @@ impl Space {
     };
 
     /// Encodes the space as in the file.
-    pub fn to_bytes(&self) -> [u8; 8] {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn to_bytes(&self) -> [u8; 8] {
         let axis = |axis: Option<Axis>| axis.map_or(0, Axis::number);
         let [a, b, c, d] = self.unit.unwrap_or_default().to_le_bytes();
         [axis(self.up), axis(self.forward), self.handedness as u8, 0, a, b, c, d]

@@ -6,26 +6,27 @@ named! {
     /// A kind of part. A number never changes meaning.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u16)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum PartKind {
         /// Predicts a palette from a pose (METHOD §1).
         Envelope = 1, "envelope";
         /// A mesh that follows a palette.
         Skin = 2, "skin";
         /// A function of a few numbers (METHOD §2).
-        Kernel = 3, "kernel" if "kernel";
+        Kernel = 3, "kernel";
         /// Prior of the weights of a skin's shapes (METHOD §5.1).
-        Prior = 4, "prior" if "prior";
+        Prior = 4, "prior";
         /// A drawn object between its key views (METHOD §6).
-        Views = 5, "views" if "views";
+        Views = 5, "views";
         /// Increases the sampling rate of a signal (METHOD §4).
-        Filter = 6, "filter" if "filter";
+        Filter = 6, "filter";
         /// Record of an envelope's training.
-        Record = 7, "record" if "record";
+        Record = 7, "record";
     }
-    /// Every kind that this reader knows.
-    ALL;
+    /// Every kind.
+    pub ALL;
     /// Returns its name, as on the command line.
-    name;
+    pub name;
 }
 
 impl PartKind {
@@ -35,7 +36,8 @@ impl PartKind {
     }
 
     /// Returns the kind with this number.
-    pub const fn from_number(number: u16) -> Option<Self> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn from_number(number: u16) -> Option<Self> {
         let mut at = 0;
         while at < Self::ALL.len() {
             if Self::ALL[at].number() == number {
@@ -46,6 +48,27 @@ impl PartKind {
         None
     }
 }
+
+/// Kinds that this build evaluates. Other kinds are treated as unknown.
+pub(crate) const EVALUATED: [PartKind;
+    2 + cfg!(feature = "kernel") as usize
+        + cfg!(feature = "prior") as usize
+        + cfg!(feature = "views") as usize
+        + cfg!(feature = "filter") as usize
+        + cfg!(feature = "record") as usize] = [
+    PartKind::Envelope,
+    PartKind::Skin,
+    #[cfg(feature = "kernel")]
+    PartKind::Kernel,
+    #[cfg(feature = "prior")]
+    PartKind::Prior,
+    #[cfg(feature = "views")]
+    PartKind::Views,
+    #[cfg(feature = "filter")]
+    PartKind::Filter,
+    #[cfg(feature = "record")]
+    PartKind::Record,
+];
 
 /// A row of the part table. The part's sections hold its content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,11 +85,7 @@ impl PartRow {
 
     /// Makes the row of a part. The row is required if evaluation needs the part.
     pub const fn new(kind: PartKind) -> Self {
-        let flags = match kind {
-            #[cfg(feature = "record")]
-            PartKind::Record => 0,
-            _ => REQUIRED,
-        };
+        let flags = if matches!(kind, PartKind::Record) { 0 } else { REQUIRED };
         Self { kind: kind.number(), flags }
     }
 
@@ -107,9 +126,9 @@ named! {
         I8 = 5, "i8";
     }
     /// Every type.
-    ALL;
+    pub ALL;
     /// Returns its name, as in FORMAT.md.
-    name;
+    pub name;
 }
 
 impl Element {

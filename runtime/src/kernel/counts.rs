@@ -13,6 +13,7 @@ pub const NO_TERM: u16 = u16::MAX;
 
 /// Measured accuracy of the fit, in units of the outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct KernelFit {
     /// RMS distance between the samples' values and the kernel's.
     pub rms_residual: f32,

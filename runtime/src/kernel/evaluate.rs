@@ -21,12 +21,17 @@ impl KernelCounts {
 }
 
 impl KernelMap<'_> {
+    /// Returns the floats of scratch that [`KernelMap::evaluate`] needs.
+    pub const fn scratch_len(&self) -> usize {
+        self.counts().scratch_len()
+    }
+
     /// Computes the outputs of a query, and returns their confidence in [0, 1]. The confidence is 1
     /// near a centre and 0 far from all centres; a kernel without a fade always returns 1.
     ///
     /// - `query`: [`KernelMap::query_len`] numbers, one input after the other. A scalar has 1
     ///   number, a vector 3, and a rotation a quaternion x, y, z, w of any length but 0.
-    /// - `scratch`: at least [`KernelCounts::scratch_len`] floats, of any content.
+    /// - `scratch`: at least [`KernelMap::scratch_len`] floats, of any content.
     /// - `out`: [`KernelMap::result_len`] numbers, one output after the other. A scalar has 1
     ///   number, a vector 3, and a rotation a quaternion of length 1.
     ///

@@ -8,6 +8,7 @@ use crate::numeric::{exp_negative, lesser, ln, sqrt};
 /// A kernel, as a function of s, the squared scaled distance; r is the square root of s (METHOD
 /// §2.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub enum Kernel {
     /// `-r`.
     Linear,

@@ -20,6 +20,11 @@ impl KernelCounts {
 }
 
 impl KernelMap<'_> {
+    /// Returns the floats of scratch that [`KernelMap::jacobian`] needs.
+    pub const fn jacobian_scratch_len(&self) -> usize {
+        self.counts().jacobian_scratch_len()
+    }
+
     /// Computes the derivatives of the m values with respect to the R numbers of a query. The
     /// values are taken before the fade, ranges and normalisation; the values of a rotation are its
     /// vector.
@@ -28,7 +33,7 @@ impl KernelMap<'_> {
     /// derivative of a cone is 0 (METHOD §3). The call takes as long as d evaluations.
     ///
     /// - `query`: as for [`KernelMap::evaluate`].
-    /// - `scratch`: at least [`KernelCounts::jacobian_scratch_len`] floats, of any content.
+    /// - `scratch`: at least [`KernelMap::jacobian_scratch_len`] floats, of any content.
     /// - `out`: m rows of R derivatives.
     ///
     /// # Errors

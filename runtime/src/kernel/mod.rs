@@ -17,9 +17,11 @@ mod rule;
 mod variance;
 mod view;
 
+pub use counts::KernelFit;
 pub(crate) use counts::RULES;
-pub use counts::{KERNEL_SECTIONS, KernelCounts, KernelFit, NO_TERM};
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use counts::{KERNEL_SECTIONS, KernelCounts, NO_TERM};
 pub use function::Kernel;
 pub use rows::{EulerOrder, InputKind, InputRow, OutputKind, OutputRow};
 pub use rule::{KernelRule, Normalise, QueryRule};
-pub use view::{KernelLayout, KernelMap};
+pub use view::KernelMap;

@@ -8,6 +8,7 @@ named! {
     /// Kind of an input, which decides the features (METHOD §2.3).
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u8)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum InputKind {
         /// A number.
         Scalar = 1, "scalar";
@@ -25,9 +26,9 @@ named! {
         TwistAngle = 7, "twist angle";
     }
     /// Every kind, by number from 1.
-    ALL;
+    pub ALL;
     /// Returns its name, as in FORMAT.md.
-    name;
+    pub name;
 }
 
 impl InputKind {
@@ -91,9 +92,9 @@ named! {
         Zyx = 6, "ZYX";
     }
     /// Every order, by number from 1.
-    ALL;
+    pub ALL;
     /// Returns its name, as in FORMAT.md.
-    name;
+    pub name;
 }
 
 /// A row of section `inputs`.
@@ -151,6 +152,7 @@ named! {
     /// Kind of an output.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u8)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum OutputKind {
         /// A number.
         Scalar = 1, "scalar";
@@ -161,9 +163,9 @@ named! {
         Rotation = 3, "rotation";
     }
     /// Every kind, by number from 1.
-    ALL;
+    pub ALL;
     /// Returns its name, as in FORMAT.md.
-    name;
+    pub name;
 }
 
 impl OutputKind {

@@ -7,6 +7,7 @@ named! {
     /// Rule for a query outside the data (METHOD §2.6).
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u8)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum QueryRule {
         /// Free: the function extrapolates.
         Free = 0, "free";
@@ -16,15 +17,16 @@ named! {
         Fade = 2, "fade";
     }
     /// Every rule, by number.
-    ALL;
+    pub ALL;
     /// Returns its name, as in FORMAT.md.
-    name;
+    pub name;
 }
 
 named! {
     /// Rule for dividing the marked outputs by their sum.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u8)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum Normalise {
         /// Never.
         Never = 0, "never";
@@ -34,9 +36,9 @@ named! {
         AboveOne = 2, "above 1";
     }
     /// Every rule, by number.
-    ALL;
+    pub ALL;
     /// Returns its name, as in FORMAT.md.
-    name;
+    pub name;
 }
 
 impl Normalise {

@@ -23,10 +23,15 @@ impl KernelMap<'_> {
         self.counts().variance_len > 0
     }
 
+    /// Returns the floats of scratch that [`KernelMap::variance`] needs.
+    pub const fn variance_scratch_len(&self) -> usize {
+        self.counts().variance_scratch_len()
+    }
+
     /// Computes the variance of each of the m values, before the fade, ranges and normalisation.
     ///
     /// - `query`: as for [`KernelMap::evaluate`].
-    /// - `scratch`: at least [`KernelCounts::variance_scratch_len`] floats, of any content.
+    /// - `scratch`: at least [`KernelMap::variance_scratch_len`] floats, of any content.
     /// - `out`: m variances, not negative, in squares of the values' units.
     ///
     /// # Errors

@@ -29,7 +29,7 @@ const FIT: usize = Rule::place(&RULES, SectionKind::KernelFit);
 #[derive(Clone, Copy)]
 pub struct KernelMap<'a>(pub(crate) Part<'a>);
 
-part::view! { KernelMap, KernelLayout, |words| -> KernelCounts { KernelCounts::from_words(first_counts(words)) } }
+part::view! { KernelMap, Kernel, |words| -> KernelCounts { KernelCounts::from_words(first_counts(words)) } }
 
 impl<'a> KernelMap<'a> {
     /// Returns the choice of kernel, and the rules for queries and outputs.
@@ -86,19 +86,22 @@ impl<'a> KernelMap<'a> {
     }
 
     /// Returns the shift and scale of a feature, and its least and greatest value in the data.
-    pub fn feature(&self, feature: usize) -> Option<[f32; 4]> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn feature(&self, feature: usize) -> Option<[f32; 4]> {
         self.0.entry(FEATURES, self.counts().feature_len as usize, feature).map(floats)
     }
 
     /// Returns a coefficient of the metric W (e x d).
-    pub fn metric_entry(&self, row: usize, column: usize) -> Option<f32> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn metric_entry(&self, row: usize, column: usize) -> Option<f32> {
         let counts = self.counts();
         let shape = (counts.metric_len as usize, counts.feature_len as usize);
         block_entry(self.metric(), shape, row, column)
     }
 
     /// Returns coordinate i of centre k.
-    pub fn centre(&self, k: usize, i: usize) -> Option<f32> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn centre(&self, k: usize, i: usize) -> Option<f32> {
         let counts = self.counts();
         let shape = (counts.centre_len as usize, counts.coordinate_len() as usize);
         block_entry(self.centres(), shape, k, i)
@@ -106,14 +109,16 @@ impl<'a> KernelMap<'a> {
 
     /// Returns the factors of a monomial: an earlier monomial and an input. The first monomial,
     /// which is 1, has [`super::NO_TERM`] twice.
-    pub fn term(&self, term: usize) -> Option<[u16; 2]> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn term(&self, term: usize) -> Option<[u16; 2]> {
         let is_there = term < self.counts().term_len as usize;
         let term = self.terms().get(term).filter(|_| is_there)?;
         Some(term.map(u16::from_le_bytes))
     }
 
     /// Returns a coefficient of [C B] (m x (n + T)).
-    pub fn coefficient(&self, row: usize, column: usize) -> Option<f32> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn coefficient(&self, row: usize, column: usize) -> Option<f32> {
         let counts = self.counts();
         let columns = counts.centre_len.saturating_add(counts.term_len) as usize;
         block_entry(self.coefficients(), (counts.value_len as usize, columns), row, column)

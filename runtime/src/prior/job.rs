@@ -11,6 +11,7 @@ use crate::skin::Skin;
 
 /// Weights that an edit changes as little as the pins allow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub enum Anchor {
     /// The current weights, for an artist's edit.
     #[default]
@@ -31,6 +32,7 @@ pub struct Temporal<'a> {
 /// Solves weights for pins. Minimises `|U (w - anchor)|² + sum stiffness / β (row - target)²`, with
 /// U the prior's factor.
 #[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct PinJob<'a> {
     /// The prior.
     pub prior: Prior<'a>,
@@ -58,6 +60,7 @@ pub struct PinJob<'a> {
 
 /// Result of a [`PinJob`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct Edit {
     /// `|U (w - anchor)|`: how unlikely the change is under the prior (S0, Eq. 5).
     pub norm: f32,
@@ -88,12 +91,17 @@ impl<'a> PinJob<'a> {
         }
     }
 
+    /// Returns the numbers of scratch that [`PinJob::run`] needs.
+    pub fn scratch_len(&self) -> usize {
+        self.prior.counts().pin_scratch_len(self.pins.scalar_len())
+    }
+
     /// Solves the weights. Without a pin that any shape moves, the weights stay unchanged.
     ///
     /// Scratch from a run with equal prior, terms and pins is reused, even if the pins' targets
     /// differ. A reusing run costs only the solve, and gives equal results to the last bit.
     ///
-    /// - `scratch`: at least [`super::PriorCounts::pin_scratch_len`] numbers, of any content.
+    /// - `scratch`: at least [`PinJob::scratch_len`] numbers, of any content.
     /// - `weights`: S weights. On entry the anchor [`Anchor::Current`]; on return the solution.
     ///
     /// # Errors

@@ -13,6 +13,8 @@ mod pins;
 mod scratch;
 
 pub use job::{Anchor, Edit, PinJob, Temporal};
-pub use part::{PRIOR_SECTIONS, Prior, PriorCounts, PriorFit, PriorLayout};
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use part::{PRIOR_SECTIONS, PriorCounts};
+pub use part::{Prior, PriorFit};
 pub(crate) use part::{RULES, check_content, check_counts};
 pub use pins::{Pin, PinList, Pins};

@@ -29,7 +29,7 @@ const SHARE_MIN: f64 = 1.0e-10;
 #[derive(Clone, Copy)]
 pub struct Prior<'a>(pub(crate) Part<'a>);
 
-part::view! { Prior, PriorLayout, |words| -> PriorCounts { PriorCounts::from_words(first_counts(words)) } }
+part::view! { Prior, Prior, |words| -> PriorCounts { PriorCounts::from_words(first_counts(words)) } }
 
 impl<'a> Prior<'a> {
     /// Returns S, the number of shapes.
@@ -143,6 +143,7 @@ impl PriorCounts {
 
 /// Default stiffness of pins, and measured accuracy of a prior. Lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct PriorFit {
     /// β, the squared distance by which a pin may miss.
     pub beta: f32,

@@ -11,7 +11,7 @@ use crate::numeric::{greater, lesser};
 const BOXES: usize = Rule::place(&RULES, SectionKind::RestBoxes);
 
 /// Axis-aligned box.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
     /// Least coordinates.
     pub min: [f32; 3],
@@ -83,7 +83,8 @@ impl Bounds {
 
 impl<'a> Skin<'a> {
     /// Returns the box of the rest positions that a transform of the palette moves; `None` if there are none.
-    pub fn rest_box(&self, index: usize) -> Option<Bounds> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn rest_box(&self, index: usize) -> Option<Bounds> {
         self.0.entry(BOXES, self.palette_len(), index).and_then(Bounds::from_corners)
     }
 
@@ -98,7 +99,7 @@ impl<'a> Skin<'a> {
     /// positions.
     ///
     /// - `palette`: [`Skin::palette_len`] transforms.
-    /// - `rest_offset`: largest offset, along any axis, of the caller's rest mesh ([`super::SkinJob::rest`]) from the
+    /// - `rest_offset`: largest offset, along any axis, of the caller's rest mesh ([`super::SkinJob::rest_positions`]) from the
     ///   file's rest mesh; 0 for the file's rest mesh.
     ///
     /// # Errors

@@ -63,7 +63,7 @@ pub(crate) fn content(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 
 /// Checks of the content, in order. Calls through pointers are not inlined, so the checks share stack space.
 static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
-    6 + cfg!(feature = "tangent-coefficients") as usize + cfg!(feature = "shapes") as usize] = [
+    6 + cfg!(feature = "normals") as usize + cfg!(feature = "shapes") as usize] = [
     |skin, loading| check_names(loading, skin.names()),
     |skin, loading| check_floats(loading, &skin.0, &RULES),
     |skin, loading| {
@@ -74,7 +74,7 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
     },
     check_ranges,
     check_influences,
-    #[cfg(feature = "tangent-coefficients")]
+    #[cfg(feature = "normals")]
     check_coefficients,
     #[cfg(feature = "shapes")]
     shapes::check::content,
@@ -152,7 +152,7 @@ fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 }
 
 /// Checks that each tangent coefficient is 0 or a normal number.
-#[cfg(feature = "tangent-coefficients")]
+#[cfg(feature = "normals")]
 fn check_coefficients(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     let is_sound = |bits: u16| matches!((bits & 0x7c00, bits & 0x3ff), (0, 0) | (0x400..0x7c00, _));
     let halves = skin.coefficients().as_flattened().as_chunks().0;

@@ -85,12 +85,12 @@ impl SkinCounts {
             let starts = v.div_ceil(BLOCK as u32) + 1;
             Asked::new(has, [1, v, k, palette_len, r, names, others, s, starts, e, d, width])
         }
-        #[cfg(all(not(feature = "shapes"), feature = "tangent-coefficients"))]
+        #[cfg(all(not(feature = "shapes"), feature = "normals"))]
         {
             let _ = element;
             Asked::new(has, [1, v, k, palette_len, r, names, others])
         }
-        #[cfg(not(any(feature = "shapes", feature = "tangent-coefficients")))]
+        #[cfg(not(any(feature = "shapes", feature = "normals")))]
         {
             let _ = (element, others);
             Asked::new(has, [1, v, k, palette_len, r, names])
@@ -101,6 +101,7 @@ impl SkinCounts {
 /// Measured errors of a skin's normals over the training poses: RMS of the angle, weighted by the area at rest, in
 /// radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct NormalErrors {
     /// Error of the model's normals.
     pub model: f32,
@@ -114,6 +115,7 @@ flat! { NormalErrors of "normal_errors", figures, from_figures: [f32; 2] { model
 ///
 /// Lengths are in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct ShapeErrors {
     /// Largest error of any vertex of any shape.
     pub largest: f32,
@@ -156,7 +158,7 @@ const _: () = assert!(RULES.len() <= SECTIONS && place::PALETTE < COUNTS);
 
 /// Numbers of optional sections that the features read: for tangent coefficients, and for shapes.
 const MORE: [usize; 2] =
-    [2 * cfg!(feature = "tangent-coefficients") as usize, 6 * cfg!(feature = "shapes") as usize];
+    [2 * cfg!(feature = "normals") as usize, 6 * cfg!(feature = "shapes") as usize];
 
 /// Rules for the sections of a skin. Sizes: 1, V, K, L, R, R + S, K - 1, S, blocks + 1, E, D, bytes of an element.
 pub(crate) const RULES: [Rule; 9 + MORE[0] + MORE[1]] = [
@@ -169,9 +171,9 @@ pub(crate) const RULES: [Rule; 9 + MORE[0] + MORE[1]] = [
     Rule::floats(SectionKind::InfluenceWeights, 4, [1, 2]).with(FOLLOWS).unsigned(),
     Rule::floats(SectionKind::RestBoxes, 24, [3, 0]).with(FOLLOWS),
     Rule::new(SectionKind::Ranges, 8, [4, 0]),
-    #[cfg(feature = "tangent-coefficients")]
+    #[cfg(feature = "normals")]
     Rule::new(SectionKind::TangentCoefficients, 4, [1, 6]).with(BLENDS | OPTIONAL),
-    #[cfg(feature = "tangent-coefficients")]
+    #[cfg(feature = "normals")]
     Rule::new(SectionKind::NormalErrors, NormalErrors::BYTES as u8, [0, 0])
         .with(OPTIONAL)
         .unsigned(),

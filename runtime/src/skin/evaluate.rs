@@ -6,7 +6,7 @@
 use super::blend::{Fours, Influences, along, moved};
 use super::job::{Rest, SkinJob};
 use super::normals::{Frame, Vertex, cofactors, side, unit};
-use super::output::{Output, cells, put};
+use super::output::{Output, put};
 use super::simd::{Columns, EIGHT, Posed, Rows, eights};
 use super::view::Skin;
 use crate::error::{Argument, CallError};
@@ -31,10 +31,10 @@ impl Skin<'_> {
         out_positions: &mut [[f32; 3]],
     ) -> Result<(), CallError> {
         let vertices = 0..self.vertex_len();
-        let out = Output { floats: cells(out_positions.as_flattened_mut()), stride: 3 };
+        let out = Output::new(out_positions.as_flattened_mut(), 3);
         Argument::Palette.check_len(self.palette_len(), palette.len())?;
         out.check(vertices.len(), 3, Argument::Positions)?;
-        skin_positions_only(self, palette, vertices, out);
+        skin_positions_only(self, palette, vertices, &out);
         Ok(())
     }
 }
@@ -53,9 +53,10 @@ impl SkinJob<'_> {
     /// - [`crate::CallErrorKind::TooShort`]: an output is too short for its attribute.
     pub fn run(&self) -> Result<(), CallError> {
         self.check()?;
-        let Self { skin, palette, ref vertices, remap, .. } = *self;
+        let Self { skin, palette, remap, .. } = *self;
+        let vertices = self.range();
         let influences = Influences::new(&skin, palette);
-        match (self.positions, self.normals, self.tangents) {
+        match (&self.positions, &self.normals, &self.tangents) {
             (Some(out), None, None) if remap.is_none() && self.rest.positions.is_none() => {
                 skin_positions_only(&skin, palette, vertices.clone(), out);
                 return Ok(());
@@ -77,15 +78,15 @@ impl SkinJob<'_> {
 
     /// Skins vertices with tangent coefficients, one at a time.
     ///
-    /// - `part`: a part of `0..self.vertices.len()`.
+    /// - `part`: a part of `0..n`, of the n vertices of the range.
     #[cfg_attr(target_os = "none", inline(never))]
     fn skin_by_coefficients(&self, influences: &Influences<'_>, part: Range<usize>) -> Option<()> {
         let Self { skin, palette, rest, .. } = self;
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
         let (coefficients, len) = (skin.coefficients(), skin.influence_len().saturating_sub(1));
-        let side = side(palette);
+        let (side, start) = (side(palette), self.range().start);
         for i in part {
-            let at = self.vertices.start + i;
+            let at = start + i;
             let vertex = self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
             let transform = influences.blend(vertex)?;
             let (indices, weights) = influences.of(vertex)?;
@@ -101,13 +102,13 @@ impl SkinJob<'_> {
             let blended = [transform.x_axis, transform.y_axis, transform.z_axis];
             let blended = blended.map(|column| column.truncate().to_array());
             let correction = own.frame_correction(x)?;
-            if let Some(out) = self.positions {
+            if let Some(out) = &self.positions {
                 out.put(i, moved(&transform, x))?;
             }
-            if let Some(out) = self.normals {
+            if let Some(out) = &self.normals {
                 out.put(i, own.normal(&blended, &frame, &correction, (n, side)))?;
             }
-            if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
+            if let Some((out, [x, y, z, hand])) = self.tangents.as_ref().zip(tangent) {
                 let turned = along(&transform, [x, y, z]).truncate().to_array();
                 let turned = correction.apply(&frame, [x, y, z], turned);
                 let [x, y, z] = unit(turned, 1.0).unwrap_or([x, y, z]);
@@ -128,7 +129,7 @@ impl SkinJob<'_> {
         if given || self.remap.is_some() || self.tangents.is_some() || skin.influence_len() != 4 {
             return None;
         }
-        let range = self.vertices.clone();
+        let range = self.range();
         let mut tangents = match skin.has_tangents() {
             true => Some(eights(skin.tangents(), &range)?),
             false => None,
@@ -149,10 +150,10 @@ impl SkinJob<'_> {
             let rows = Rows { positions, normals, tangents, indices, weights, coefficients };
             columns.read(&rows, palette)?;
             columns.pose(tangents.is_some(), side, &mut posed);
-            if let Some(out) = self.positions {
+            if let Some(out) = &self.positions {
                 out.put_rows(done, &posed.positions)?;
             }
-            if let Some(out) = self.normals {
+            if let Some(out) = &self.normals {
                 out.put_rows(done, &posed.normals)?;
             }
             if !posed.squared_lengths.iter().all(|square| square.is_normal()) {
@@ -177,7 +178,7 @@ impl SkinJob<'_> {
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
         let side = side(self.palette);
         let mut fours = indices.iter().zip(weights);
-        for (i, at) in self.vertices.clone().enumerate() {
+        for (i, at) in self.range().enumerate() {
             let (vertex, transform) = if IS_BY_FOUR {
                 let (indices, weights) = fours.next()?;
                 (at, influences.blend_row(indices, weights)?)
@@ -185,18 +186,18 @@ impl SkinJob<'_> {
                 let vertex = self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
                 (vertex, influences.blend(vertex)?)
             };
-            if let Some(out) = self.positions
+            if let Some(out) = &self.positions
                 && let Some(x) = rest_attribute(rest.positions, positions, vertex)
             {
                 out.put(i, moved(&transform, x));
             }
-            if let Some(out) = self.normals
+            if let Some(out) = &self.normals
                 && let Some(n) = rest_attribute(rest.normals, normals, vertex)
             {
                 let turned = along(&cofactors(&transform), n).truncate().to_array();
                 out.put(i, unit(turned, side).unwrap_or(n));
             }
-            if let Some(out) = self.tangents
+            if let Some(out) = &self.tangents
                 && let Some([x, y, z, hand]) = rest_attribute(rest.tangents, tangents, vertex)
             {
                 let turned = along(&transform, [x, y, z]).truncate().to_array();
@@ -214,7 +215,7 @@ fn skin_positions_only(
     skin: &Skin<'_>,
     palette: &[Matrix3x4],
     vertices: Range<usize>,
-    out: Output<'_>,
+    out: &Output<'_>,
 ) {
     let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
     let influences = Influences::new(skin, palette);

@@ -15,12 +15,13 @@ mod view;
 
 pub use bounds::Bounds;
 pub(crate) use counts::RULES;
-pub use counts::{
-    BLOCK, LENGTH_TOLERANCE, NO_ENVELOPE, NormalErrors, SKIN_SECTIONS, ShapeErrors, SkinCounts,
-    WEIGHT_SUM_TOLERANCE,
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use counts::{
+    BLOCK, LENGTH_TOLERANCE, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE,
 };
-pub use job::{Rest, SkinJob};
-pub use output::{Output, cells};
+pub use counts::{NormalErrors, ShapeErrors};
+pub use job::SkinJob;
+pub use output::Output;
 #[cfg(feature = "shapes")]
 pub use shapes::ShapesJob;
-pub use view::{Skin, SkinLayout, mesh_hash_of};
+pub use view::{Skin, mesh_hash_of};

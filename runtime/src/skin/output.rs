@@ -5,32 +5,54 @@ use crate::error::{Argument, CallError, CallErrorKind};
 use core::cell::Cell;
 use core::ops::Range;
 
-/// Output of one attribute. The i-th vertex *of the range* is written at float `i * stride`.
-#[derive(Clone, Copy, Debug)]
+/// Output of one attribute: positions, normals or tangents. A job writes the i-th vertex *of its range* at float
+/// `i * stride`, and leaves all other floats alone.
+#[derive(Clone, Debug)]
 pub struct Output<'a> {
-    /// Floats of the caller, from [`cells`]. For interleaved vertices, the attributes share floats, each from its own
-    /// first float on.
-    pub floats: &'a [Cell<f32>],
-    /// Floats from one vertex to the next; at least the length of the attribute, 3 or 4.
-    pub stride: usize,
+    /// Floats from the attribute of the first vertex on. Interleaved attributes share floats.
+    pub(super) floats: &'a [Cell<f32>],
+    pub(super) stride: usize,
 }
 
-/// Lends floats to several attributes of a [`super::SkinJob`], which writes the floats and never reads them.
-pub fn cells(floats: &mut [f32]) -> &[Cell<f32>] {
-    Cell::from_mut(floats).as_slice_of_cells()
+impl<'a> Output<'a> {
+    /// Makes an output with its own floats.
+    ///
+    /// - `floats`: `stride` floats for each vertex; the last vertex needs only its attribute.
+    /// - `stride`: floats from one vertex to the next; at least the length of the attribute, 3 or 4.
+    pub fn new(floats: &'a mut [f32], stride: usize) -> Self {
+        Self::shared(Cell::from_mut(floats).as_slice_of_cells(), stride)
+    }
+
+    /// Splits interleaved vertices into outputs: `let [positions, normals] = Output::interleaved(floats, 8, [0, 3])`.
+    ///
+    /// - `floats`: `stride` floats for each vertex.
+    /// - `stride`: floats from one vertex to the next.
+    /// - `offsets`: first float of each attribute in a vertex, in any order. A job refuses attributes that overlap.
+    pub fn interleaved<const N: usize>(
+        floats: &'a mut [f32],
+        stride: usize,
+        offsets: [usize; N],
+    ) -> [Self; N] {
+        let floats = Cell::from_mut(floats).as_slice_of_cells();
+        offsets.map(|offset| Self::shared(floats.get(offset..).unwrap_or_default(), stride))
+    }
+
+    /// Makes an output whose floats other outputs may share.
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn shared(floats: &'a [Cell<f32>], stride: usize) -> Self {
+        Self { floats, stride }
+    }
 }
 
 /// Outputs of a job, each with the floats of its attribute and the argument to name in errors.
-#[derive(Clone, Copy)]
-pub(super) struct Outputs<'a>([(Option<Output<'a>>, usize, Argument); 3]);
+pub(super) struct Outputs<'o, 'a>([(Option<&'o Output<'a>>, usize, Argument); 3]);
 
-impl<'a> Outputs<'a> {
+impl<'o, 'a> Outputs<'o, 'a> {
     /// Collects the outputs of a job; an error if there is none.
-    pub(super) fn new(
-        positions: Option<Output<'a>>,
-        normals: Option<Output<'a>>,
-        tangents: Option<Output<'a>>,
-    ) -> Result<Self, CallError> {
+    ///
+    /// - `outputs`: positions, normals, tangents.
+    pub(super) fn new(outputs: [Option<&'o Output<'a>>; 3]) -> Result<Self, CallError> {
+        let [positions, normals, tangents] = outputs;
         if positions.is_none() && normals.is_none() && tangents.is_none() {
             return Err(CallError::new(CallErrorKind::NoOutput, Argument::Call));
         }
@@ -41,11 +63,21 @@ impl<'a> Outputs<'a> {
         ]))
     }
 
-    /// Checks that every output has room for `vertex_len` vertices.
+    /// Checks that every output has room for `vertex_len` vertices, and that no two outputs overlap.
     pub(super) fn check(&self, vertex_len: usize) -> Result<(), CallError> {
+        let [positions, normals, tangents] = &self.0;
         for (output, len, argument) in self.0 {
             if let Some(output) = output {
                 output.check(vertex_len, len, argument)?;
+            }
+        }
+        for [(first, first_len, _), (second, len, argument)] in
+            [[positions, normals], [positions, tangents], [normals, tangents]]
+        {
+            if let (Some(first), Some(second)) = (first, second)
+                && first.overlaps(*first_len, second, *len, vertex_len)
+            {
+                return Err(CallError::new(CallErrorKind::Overlap, *argument));
             }
         }
         Ok(())
@@ -77,6 +109,25 @@ impl Output<'_> {
         let Some(last) = vertex_len.checked_sub(1) else { return Ok(()) };
         let least = last.checked_mul(self.stride).and_then(|at| at.checked_add(len));
         argument.check_least(least.unwrap_or(usize::MAX), self.floats.len())
+    }
+
+    /// Whether two checked outputs of `vertex_len` vertices write a common float, or could with other strides.
+    ///
+    /// - `own_len`, `other_len`: floats of the attributes.
+    fn overlaps(&self, own_len: usize, other: &Self, other_len: usize, vertex_len: usize) -> bool {
+        let starts = [self, other].map(|output| output.floats.as_ptr().addr() / size_of::<f32>());
+        let end = |output: &Self, start: usize, len: usize| {
+            start + output.stride * vertex_len.saturating_sub(1) + len
+        };
+        let [own, others] = starts;
+        let apart = end(self, own, own_len) <= others || end(other, others, other_len) <= own;
+        if vertex_len == 0 || apart {
+            return false;
+        }
+        // Interleaved: the other attribute starts `ahead` floats behind this one in each vertex.
+        let distance = others as isize - own as isize;
+        let ahead = distance.checked_rem_euclid(self.stride as isize).unwrap_or(0) as usize;
+        self.stride != other.stride || ahead < own_len || self.stride - ahead < other_len
     }
 
     /// Writes the attribute of eight vertices, from the i-th vertex of the range on. `None` cannot happen after

@@ -16,12 +16,12 @@ const TANGENTS: usize = Rule::place(&RULES, SectionKind::RestTangents);
 const INDICES: usize = Rule::place(&RULES, SectionKind::InfluenceIndices);
 const WEIGHTS: usize = Rule::place(&RULES, SectionKind::InfluenceWeights);
 const RANGES: usize = Rule::place(&RULES, SectionKind::Ranges);
-/// `None` without the feature `tangent-coefficients`: the reader then ignores the section.
+/// `None` without the feature `normals`: the reader then ignores the section.
 const COEFFICIENTS: Option<usize> = known(SectionKind::TangentCoefficients);
 const NORMAL_ERRORS: Option<usize> = known(SectionKind::NormalErrors);
 
 const fn known(section: SectionKind) -> Option<usize> {
-    if cfg!(feature = "tangent-coefficients") { Some(Rule::place(&RULES, section)) } else { None }
+    if cfg!(feature = "normals") { Some(Rule::place(&RULES, section)) } else { None }
 }
 
 /// Mesh of V vertices that follows a palette; borrowed from a loaded model.
@@ -30,13 +30,14 @@ const fn known(section: SectionKind) -> Option<usize> {
 #[derive(Clone, Copy)]
 pub struct Skin<'a>(pub(crate) Part<'a>);
 
-part::view! { Skin, SkinLayout, |words| -> SkinCounts { SkinCounts::from_words(first_counts(words)) } }
+part::view! { Skin, Skin, |words| -> SkinCounts { SkinCounts::from_words(first_counts(words)) } }
 
 impl<'a> Skin<'a> {
     /// Returns the part whose palette the skin follows.
     ///
     /// `None` without an envelope, for example for a face without joints.
-    pub fn envelope_part(&self) -> Option<usize> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn envelope_part(&self) -> Option<usize> {
         self.counts().envelope().map(usize::from)
     }
 
@@ -53,6 +54,11 @@ impl<'a> Skin<'a> {
     /// Returns L, the number of transforms in the palette; 0 without an envelope.
     pub const fn palette_len(&self) -> usize {
         self.0.layout.counts[place::PALETTE] as usize
+    }
+
+    /// Returns the floats of scratch for [`super::SkinJob::scratch`].
+    pub const fn scratch_len(&self) -> usize {
+        0
     }
 
     /// Returns S, the number of shapes.

@@ -109,6 +109,7 @@ pub(crate) const fn mask_len(point_len: u32) -> u32 {
 
 /// Measured accuracy of an object. Lengths are in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct ViewsFit {
     /// RMS distance between the examples' points and the maps' points, over points and examples.
     pub rms_error: f32,

@@ -11,6 +11,7 @@ use crate::numeric::{greater, lesser};
 
 /// Evaluates a map of an object.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct FrameJob<'a> {
     /// The object.
     pub views: Views<'a>,
@@ -22,6 +23,7 @@ pub struct FrameJob<'a> {
 
 /// Outputs of a [`FrameJob`].
 #[derive(Debug)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct Frame<'o> {
     /// K points: x to the right and y down, in pixels of the screen, and the depth, which grows
     /// away from the viewer.
@@ -36,11 +38,24 @@ pub struct Frame<'o> {
 
 /// Result of a [`FrameJob`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct Found {
     /// The characteristic view, with the highest score; among equal scores the first view.
     pub view: usize,
     /// The map's confidence in the parameters, from [`KernelMap::evaluate`].
     pub confidence: f32,
+}
+
+impl<'o> Frame<'o> {
+    /// Collects the outputs.
+    pub const fn new(
+        points: &'o mut [[f32; 3]],
+        visibility: &'o mut [f32],
+        scores: &'o mut [f32],
+        layers: &'o mut [[f32; 2]],
+    ) -> Self {
+        Self { points, visibility, scores, layers }
+    }
 }
 
 impl ViewsCounts {
@@ -50,18 +65,28 @@ impl ViewsCounts {
     }
 }
 
-impl FrameJob<'_> {
+impl<'a> FrameJob<'a> {
+    /// Makes the job.
+    pub const fn new(views: Views<'a>, map: KernelMap<'a>, parameters: &'a [f32]) -> Self {
+        Self { views, map, parameters }
+    }
+
+    /// Returns the floats of scratch that [`FrameJob::run`] needs.
+    pub const fn scratch_len(&self) -> usize {
+        self.views.counts().frame_scratch_len(&self.map.counts())
+    }
+
     /// Evaluates the map, finds the characteristic view, and deforms a transferred object like its
     /// prototype.
     ///
-    /// - `scratch`: at least [`ViewsCounts::frame_scratch_len`] floats, of any content.
+    /// - `scratch`: at least [`FrameJob::scratch_len`] floats, of any content.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::Length`]: `parameters` or an output has another length; or the map is not
     ///   a map of the object.
     /// - [`crate::CallErrorKind::TooShort`]: `scratch` is too short.
     /// - The errors of [`KernelMap::evaluate`].
-    pub fn run(&self, scratch: &mut [f32], out: Frame<'_>) -> Result<Found, CallError> {
+    pub fn run(&self, scratch: &mut [f32], out: &mut Frame<'_>) -> Result<Found, CallError> {
         let k = self.views.point_len();
         let counts = self.views.counts();
         Argument::Points.check_len(k, out.points.len())?;

@@ -21,11 +21,12 @@ mod view;
 
 pub use blend::Blend;
 pub(crate) use counts::RULES;
-pub use counts::{
+pub use counts::ViewsFit;
+#[cfg_attr(feature = "internals", visibility::make(pub))]
+pub(crate) use counts::{
     CLIP_ELEMENTS_MAX, CLIPS_MAX, FITS_MAX, NO_VERTEX, NOTHING, VIEWS_SECTIONS, ViewsCounts,
-    ViewsFit,
 };
 pub use frame::{Found, Frame, FrameJob};
 #[cfg(feature = "raster")]
 pub use render::{Drawn, RenderJob, RenderScratch};
-pub use view::{Element, Layer, Texture, Vertex, Views, ViewsLayout};
+pub use view::{Element, Layer, Texture, Vertex, Views};

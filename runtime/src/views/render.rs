@@ -1,6 +1,7 @@
 //! Drawing of a picture from points (METHOD §6.5, §6.9).
 
 use super::blend::{Blend, SOURCES_MAX};
+use super::frame::Frame;
 use super::raster::{Corner, Screen, Source, blend_group, multiply_mask, quad, triangle};
 use super::view::{Element, Layer, Views};
 use crate::error::{Argument, CallError};
@@ -8,6 +9,7 @@ use crate::numeric::{greater, lesser, smoothstep, sqrt};
 
 /// Draws an object into the caller's picture.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct RenderJob<'a> {
     /// The object.
     pub views: Views<'a>,
@@ -26,6 +28,7 @@ pub struct RenderJob<'a> {
 
 /// Scratch memory of a [`RenderJob`], of any content.
 #[derive(Debug)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct RenderScratch<'o> {
     /// V places of vertices.
     pub vertices: &'o mut [[f32; 3]],
@@ -41,6 +44,7 @@ pub struct RenderScratch<'o> {
 
 /// Result of a [`RenderJob`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct Drawn {
     /// Number of elements drawn.
     pub element_len: usize,
@@ -49,7 +53,22 @@ pub struct Drawn {
     pub flipped_len: usize,
 }
 
-impl RenderJob<'_> {
+impl<'o> RenderScratch<'o> {
+    /// Collects scratch for an object without depth, groups and clips. Set the other fields for these.
+    pub const fn new(vertices: &'o mut [[f32; 3]], order: &'o mut [u16]) -> Self {
+        Self { vertices, order, depths: &mut [], group: &mut [], clips: &mut [] }
+    }
+}
+
+impl<'a> RenderJob<'a> {
+    /// Makes the job of a frame.
+    ///
+    /// - `width`: width of the picture in pixels.
+    pub const fn new(views: Views<'a>, frame: &'a Frame<'_>, width: usize) -> Self {
+        let Frame { points, visibility, scores, layers } = frame;
+        Self { views, points, visibility, scores, layers, width }
+    }
+
     /// Draws the layers over the picture, in ascending order. Layers of equal order are drawn as in
     /// the file.
     ///

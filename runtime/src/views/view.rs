@@ -141,7 +141,7 @@ impl<'a> Texture<'a> {
 #[derive(Clone, Copy)]
 pub struct Views<'a>(pub(crate) Part<'a>);
 
-part::view! { Views, ViewsLayout, |words| -> ViewsCounts { ViewsCounts::from_words(first_counts(words)) } }
+part::view! { Views, Views, |words| -> ViewsCounts { ViewsCounts::from_words(first_counts(words)) } }
 
 impl<'a> Views<'a> {
     /// Returns K, the number of control points.

@@ -7,17 +7,17 @@
     reason = "each test uses a part of it"
 )]
 
-use models::{Pieces, Rng, Shape};
+use models::{Pieces, Rng, Shape, cells};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::prior::Anchor;
-use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::views::{CLIPS_MAX, RenderScratch};
 use sinew_runtime::{
     Argument, CallError, CallErrorKind, Envelope, FileError, FileErrorKind, Filter, Frame,
-    FrameJob, KernelMap, Matrix3x4, Model, Pin, PinJob, Pins, Prior, RenderJob, Skin, SkinJob,
-    Views, model_space_pose,
+    FrameJob, KernelMap, Matrix3x4, Model, Pin, PinJob, Pins, Prior, Record, RenderJob, Skin,
+    SkinJob, Views, model_space_pose,
 };
 use std::cell::Cell;
 
@@ -154,43 +154,36 @@ pub fn with_skin(shape: Shape, test: impl FnOnce(Envelope<'_>, Skin<'_>)) {
 
 pub fn with_model(predictor: Predictor, shape: Shape, test: impl FnOnce(Envelope<'_>, Skin<'_>)) {
     let model = Model::from_bytes(Pieces::sample(predictor, shape).bytes()).unwrap();
-    test(model.envelope().unwrap(), model.skin().unwrap());
+    test(model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
 }
 
 /// Lends floats to an attribute.
 pub const fn output(floats: &[Cell<f32>], stride: usize) -> Option<Output<'_>> {
-    Some(Output { floats, stride })
-}
-
-/// Makes a job over all vertices, without outputs.
-pub fn job<'a>(skin: Skin<'a>, palette: &'a [Matrix3x4]) -> SkinJob<'a> {
-    let (vertices, rest) = (0..skin.vertex_len(), Rest::default());
-    let (positions, normals, tangents) = (None, None, None);
-    SkinJob { skin, palette, vertices, remap: None, rest, positions, normals, tangents }
+    Some(Output::shared(floats, stride))
 }
 
 /// Runs a job with positions and normals (3 floats each) and tangents (4), each in its own run of
 /// the result. Tangents are left out if neither the skin nor the job has any.
 pub fn run(job: &SkinJob<'_>) -> Vec<f32> {
-    let n = job.vertices.len();
-    let has_tangents = job.skin.has_tangents() || job.rest.tangents.is_some();
-    let mut out = vec![f32::NAN; if has_tangents { 10 } else { 6 } * n];
-    let (positions, rest) = out.split_at_mut(3 * n);
-    let (normals, tangents) = rest.split_at_mut(3 * n);
-    SkinJob {
-        positions: output(cells(positions), 3),
-        normals: output(cells(normals), 3),
-        tangents: output(cells(tangents), 4).filter(|_| has_tangents),
-        ..job.clone()
+    let n = job.range().len();
+    let mut out = vec![f32::NAN; 10 * n];
+    let lent = cells(&mut out);
+    let (positions, normals) = (Output::shared(lent, 3), Output::shared(&lent[3 * n..], 3));
+    let both = job.clone().positions(positions).normals(normals);
+    let tangents = Output::shared(&lent[6 * n..], 4);
+    match both.clone().tangents(tangents).run() {
+        Err(error) if error.kind == CallErrorKind::NoAttribute => {
+            both.run().unwrap();
+            out.truncate(6 * n);
+        }
+        done => done.unwrap(),
     }
-    .run()
-    .unwrap();
     out
 }
 
 /// Skins every vertex; see [`run`].
 pub fn skinned(skin: Skin<'_>, palette: &[Matrix3x4]) -> Vec<f32> {
-    run(&job(skin, palette))
+    run(&SkinJob::new(skin, palette))
 }
 
 /// Returns the rest mesh, in the layout of [`run`].
@@ -206,20 +199,22 @@ pub fn exercise(bytes: &[u8]) -> Option<()> {
     let model = Model::from_bytes(bytes).ok()?;
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
     let known = PartKind::ALL.map(PartKind::number);
-    let found = model.envelopes().count() + model.skins().count() + model.kernels().count();
-    let found = found + model.priors().count() + model.all_views().count();
-    let found = found + model.filters().count() + model.records().count();
+    let found = model.all::<Envelope>().count()
+        + model.all::<Skin>().count()
+        + model.all::<KernelMap>().count();
+    let found = found + model.all::<Prior>().count() + model.all::<Views>().count();
+    let found = found + model.all::<Filter>().count() + model.all::<Record>().count();
     assert_eq!(found, model.parts().filter(|row| known.contains(&row.kind)).count());
-    model.envelopes().for_each(|envelope| exercise_envelope(&envelope));
-    model.kernels().for_each(|map| exercise_kernel(&map));
-    model.filters().for_each(|filter| exercise_filter(&filter));
-    for prior in model.priors() {
+    model.all::<Envelope>().for_each(|envelope| exercise_envelope(&envelope));
+    model.all::<KernelMap>().for_each(|map| exercise_kernel(&map));
+    model.all::<Filter>().for_each(|filter| exercise_filter(&filter));
+    for prior in model.all::<Prior>() {
         exercise_prior(&prior, &model.skin_of(&prior).unwrap());
     }
-    for views in model.all_views() {
+    for views in model.all::<Views>() {
         exercise_views(&model, &views);
     }
-    for skin in model.skins() {
+    for skin in model.all::<Skin>() {
         let envelope = model.envelope_of(&skin);
         assert_eq!(envelope.is_some(), skin.envelope_part().is_some());
         let len = envelope.map_or(0, |envelope| envelope.palette_len());
@@ -284,9 +279,9 @@ fn exercise_views(model: &Model<&[u8]>, views: &Views<'_>) {
         let mut scratch = vec![f32::NAN; views.counts().frame_scratch_len(&map.counts())];
         let (points, visibility) = (points.as_mut_slice(), visibility.as_mut_slice());
         let (scores, layers) = (scores.as_mut_slice(), layers.as_mut_slice());
-        let out = Frame { points, visibility, scores, layers };
+        let mut out = Frame { points, visibility, scores, layers };
         let job = FrameJob { views: *views, map, parameters: &parameters };
-        let Ok(_) = job.run(&mut scratch, out) else { continue };
+        let Ok(_) = job.run(&mut scratch, &mut out) else { continue };
         assert!(points.as_flattened().iter().all(|x| x.is_finite()));
         let job = RenderJob { views: *views, points, visibility, scores, layers, width: 16 };
         let mut pixels = [[0; 4]; 16 * 12];

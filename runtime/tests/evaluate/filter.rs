@@ -4,7 +4,7 @@ use crate::common::{bits, call_error, length_error, short_error};
 use models::{FilterContent, Pieces, Rng};
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::MAGNITUDE_MAX;
-use sinew_runtime::{Argument, CallErrorKind, Model};
+use sinew_runtime::{Argument, CallErrorKind, Filter, Model};
 
 /// Filters samples by FORMAT.md, number by number.
 fn expected(content: &FilterContent, shape: Samples, samples: &[f32]) -> Vec<f32> {
@@ -38,7 +38,7 @@ fn every_shape_has_the_bits_of_a_sum_written_out() {
         content.taps.iter_mut().for_each(|tap| *tap += 0.1 * rng.unit());
         let bytes = Pieces::filter(&content).bytes();
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
-        let filter = model.filter().unwrap();
+        let filter = model.first::<Filter>().unwrap();
         for (signal_len, more, lane_len) in
             [(1, 0, 1), (1, 12, 1), (3, 1, 3), (2, 4, 8), (2, 3, 19), (1, 2, 64)]
         {
@@ -62,7 +62,7 @@ fn an_image_is_two_calls() {
         .collect();
     let bytes = Pieces::filter(&content).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     let (w, h, c) = (6, 5, 3);
     let image: Vec<f32> = (0..w * h * c).map(|x| x as f32).collect();
     let mut high = vec![f32::NAN; 2 * image.len()];
@@ -82,7 +82,7 @@ fn an_image_is_two_calls() {
 fn wrong_calls_are_refused_and_nothing_is_written() {
     let bytes = Pieces::filter(&FilterContent::sample(2, 5)).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     let refused = |shape: Samples, samples: &[f32], out_len: usize| {
         let mut out = vec![7.0; out_len];
         let error = filter.apply(shape, samples, &mut out).unwrap_err();
@@ -115,7 +115,7 @@ fn the_largest_numbers_stay_finite() {
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
     let mut out = [f32::NAN; 255];
     model
-        .filter()
+        .first::<Filter>()
         .unwrap()
         .apply(Samples::of_signal(255), &[MAGNITUDE_MAX; 255], &mut out)
         .unwrap();

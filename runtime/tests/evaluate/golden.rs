@@ -11,11 +11,11 @@ use models::{
     FACE_NAME, FilterContent, KernelContent, Pieces, SHAPED_NAMES, TURNED_NAMES, VIEWED_NAMES,
     golden_path,
 };
-use sinew_runtime::Model;
+use sinew_runtime::{Envelope, Filter, KernelMap, Model, Prior, Skin, Views};
 
 fn hashes(golden: &Golden, nudge: f32) -> Found {
     let model = Model::from_bytes(golden.file).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     assert_eq!(envelope.predictor(), golden.predictor);
     bits::hashes(envelope, skin, bits::POSES, nudge, &mut Box::new(Memory::new())).unwrap()
 }
@@ -46,7 +46,7 @@ fn kernel_hashes(nudge: f32) -> Vec<u64> {
     let model = kernels::load().unwrap();
     let (mut scratch, mut out) = ([0.0; 1024], [0.0; 128]);
     let hash = |map| kernels::hash(&map, nudge, &mut scratch, &mut out).unwrap();
-    model.kernels().map(hash).collect()
+    model.all::<KernelMap>().map(hash).collect()
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn the_hash_of_kernels_sees_one_last_place() {
 fn views_hashes(nudge: f32) -> [u64; 2] {
     views::VIEWS.map(|file| {
         let model = views::load(file).unwrap();
-        views::hash(&model, model.views().unwrap(), nudge, &mut [0.0; 256]).unwrap()
+        views::hash(&model, model.first::<Views>().unwrap(), nudge, &mut [0.0; 256]).unwrap()
     })
 }
 
@@ -83,7 +83,7 @@ fn the_hash_of_views_sees_one_last_place() {
 
 fn filter_hash(nudge: f32) -> u64 {
     let model = filters::load().unwrap();
-    let filter = model.filter().unwrap();
+    let filter = model.first::<Filter>().unwrap();
     filters::hash(&filter, nudge, &mut [0.0; 128], &mut [0.0; 512]).unwrap()
 }
 
@@ -100,7 +100,7 @@ fn the_hash_of_a_filter_sees_one_last_place() {
 
 fn prior_hash(nudge: f32) -> u64 {
     let model = priors::load().unwrap();
-    priors::hash(model.prior().unwrap(), model.skin().unwrap(), nudge).unwrap()
+    priors::hash(model.first::<Prior>().unwrap(), model.first::<Skin>().unwrap(), nudge).unwrap()
 }
 
 #[test]

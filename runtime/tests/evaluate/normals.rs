@@ -2,14 +2,13 @@
 //! known results.
 
 use crate::common::{
-    IDENTITY, apart, bits, job, max_difference, output, palette, random_pose, rest, run, skinned,
-    with_skin,
+    IDENTITY, apart, bits, max_difference, palette, random_pose, rest, run, skinned, with_skin,
 };
-use models::{Pieces, Rng, SMALL, Shape, direction, floats};
+use models::{Pieces, Rest, Rng, SMALL, Shape, cells, direction, floats};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::skin::{Rest, cells};
-use sinew_runtime::{Matrix3x4, Model, Skin, SkinJob};
+use sinew_runtime::skin::Output;
+use sinew_runtime::{Envelope, Matrix3x4, Model, Skin, SkinJob};
 use std::ops::Range;
 
 type V = [f64; 3];
@@ -189,7 +188,7 @@ fn at_rest_the_normal_is_that_at_rest_whatever_the_coefficients() {
                 *half = if is_zero { bits } else { bits + scale }.to_le_bytes();
             }
             let model = Model::from_bytes(pieces.bytes()).unwrap();
-            let skin = model.skin().unwrap();
+            let skin = model.first::<Skin>().unwrap();
             let identity = vec![IDENTITY; skin.palette_len()];
             let (found, rest) = (skinned(skin, &identity), rest(skin));
             assert_eq!(found[..3 * 21], rest[..3 * 21]);
@@ -254,7 +253,7 @@ fn normal_of_two(transforms: [Matrix3x4; 2]) -> ([f32; 3], [f32; 3]) {
     let mut pieces = Pieces::sample(Predictor::Rotational, shape);
     pieces.section(SectionKind::TangentCoefficients).fill(0);
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     assert_eq!(skin.influences(0).collect::<Vec<_>>(), [(0, 0.75), (1, 0.25)]);
     let mut palette = vec![IDENTITY; skin.palette_len()];
     palette[..2].copy_from_slice(&transforms);
@@ -288,7 +287,7 @@ fn a_vertex_without_a_normal_stays_without() {
         pieces.section(SectionKind::RestNormals)[..12].fill(0);
         pieces.section(SectionKind::TangentCoefficients)[..4].fill(0);
         let model = Model::from_bytes(pieces.bytes()).unwrap();
-        let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+        let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
         let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
         assert_eq!(skinned(skin, &palette)[3 * SMALL.vertices..][..3], [0.0; 3]);
     }
@@ -306,12 +305,12 @@ fn the_frame_of_a_caller_normal_flips_only_with_the_files_frame() {
     let mut normals = near.collect::<Vec<_>>();
     *pieces.section(SectionKind::RestNormals) = floats(normals.as_flattened());
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
     let own = skinned(skin, &palette);
     normals.iter_mut().for_each(|normal| normal[2] = -normal[2]);
     let rest = Rest { normals: Some(&normals), ..Rest::default() };
-    let given = run(&SkinJob { rest, ..job(skin, &palette) });
+    let given = run(&rest.of(SkinJob::new(skin, &palette)));
     let at = 3 * SMALL.vertices;
     let difference = max_difference(&given[at..], &own[at..]);
     assert!(difference > 1e-5 && difference < 2e-2, "{difference}");
@@ -331,7 +330,7 @@ fn caller_tangents_keep_the_frame_of_a_skin_without_tangents() {
         });
         let given = given.collect::<Vec<_>>();
         let rest = Rest { tangents: Some(&given), ..Rest::default() };
-        let found = run(&SkinJob { rest, ..job(skin, &palette) });
+        let found = run(&rest.of(SkinJob::new(skin, &palette)));
         assert_eq!(bits(&found[..6 * v]), bits(&own));
         for vertex in 0..v {
             let normal = wide(*found[3 * (v + vertex)..].first_chunk().unwrap());
@@ -348,13 +347,12 @@ fn an_attribute_alone_keeps_its_bits() {
             let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
             let (v, whole) = (skin.vertex_len(), skinned(skin, &palette));
             let mut normals = vec![f32::NAN; 3 * v];
-            let alone = SkinJob { normals: output(cells(&mut normals), 3), ..job(skin, &palette) };
+            let alone = SkinJob::new(skin, &palette).normals(Output::new(&mut normals, 3));
             alone.run().unwrap();
             assert_eq!(bits(&normals), bits(&whole[3 * v..6 * v]));
             if shape.tangents {
                 let mut tangents = vec![f32::NAN; 4 * v];
-                let alone =
-                    SkinJob { tangents: output(cells(&mut tangents), 4), ..job(skin, &palette) };
+                let alone = SkinJob::new(skin, &palette).tangents(Output::new(&mut tangents, 4));
                 alone.run().unwrap();
                 assert_eq!(bits(&tangents), bits(&whole[6 * v..]));
             }
@@ -382,14 +380,12 @@ fn vertices_side_by_side_have_the_bits_that_each_has_alone() {
                 let all = |vertices: Range<usize>, out: &mut [f32]| {
                     let (positions, normals) = cells(out).split_at(3 * v);
                     let start = 3 * vertices.start;
-                    SkinJob {
-                        vertices,
-                        positions: output(&positions[start..], 3),
-                        normals: output(&normals[start..], 3),
-                        ..job(skin, palette)
-                    }
-                    .run()
-                    .unwrap();
+                    SkinJob::new(skin, palette)
+                        .vertices(vertices)
+                        .positions(Output::shared(&positions[start..], 3))
+                        .normals(Output::shared(&normals[start..], 3))
+                        .run()
+                        .unwrap();
                 };
                 all(0..v, &mut together);
                 (0..v).for_each(|vertex| all(vertex..vertex + 1, &mut alone));
@@ -414,10 +410,10 @@ fn caller_tangents_give_equal_normals_in_blocks_and_one_at_a_time() {
                 })
                 .collect();
             let rest = Rest { tangents: Some(&given), ..Rest::default() };
-            let whole = run(&SkinJob { rest, ..job(skin, &palette) });
+            let whole = run(&rest.of(SkinJob::new(skin, &palette)));
             let mut normals = vec![f32::NAN; 3 * v];
-            let normals_alone = output(cells(&mut normals), 3);
-            SkinJob { rest, normals: normals_alone, ..job(skin, &palette) }.run().unwrap();
+            let normals_alone = Output::new(&mut normals, 3);
+            rest.of(SkinJob::new(skin, &palette)).normals(normals_alone).run().unwrap();
             assert_eq!(bits(&normals), bits(&whole[3 * v..6 * v]));
             assert_ne!(bits(&normals), bits(&skinned(skin, &palette)[3 * v..6 * v]));
         });

@@ -1,10 +1,10 @@
 //! Where a skin is written: ranges, strides, buffers, single attributes, remaps. The bits never
 //! change.
 
-use crate::common::{IDENTITY, bits, job, output, palette, random_pose, run, skinned, with_skin};
-use models::{Rng, SMALL, Shape};
-use sinew_runtime::skin::cells;
-use sinew_runtime::{Envelope, Skin, SkinJob};
+use crate::common::{IDENTITY, bits, palette, random_pose, run, skinned, with_skin};
+use models::{Rng, SMALL, Shape, cells};
+use sinew_runtime::skin::Output;
+use sinew_runtime::{CallErrorKind, Envelope, Skin, SkinJob};
 
 #[test]
 fn ranges_strides_and_buffers_change_places_only() {
@@ -22,15 +22,13 @@ fn ranges_strides_and_buffers(envelope: Envelope<'_>, skin: Skin<'_>) {
     let (mut a, mut b) = (vec![-7.0; 1 + 8 * v], vec![-7.0; 4 * v]);
     for vertices in [0..3, 3..v] {
         let a = cells(&mut a[8 * vertices.start..][..1 + 8 * vertices.len()]);
-        SkinJob {
-            positions: output(&a[1..], 8),
-            normals: output(&a[5..], 8),
-            tangents: output(cells(&mut b[4 * vertices.start..4 * vertices.end]), 4),
-            vertices,
-            ..job(skin, &palette)
-        }
-        .run()
-        .unwrap();
+        SkinJob::new(skin, &palette)
+            .positions(Output::shared(&a[1..], 8))
+            .normals(Output::shared(&a[5..], 8))
+            .tangents(Output::new(&mut b[4 * vertices.start..4 * vertices.end], 4))
+            .vertices(vertices)
+            .run()
+            .unwrap();
     }
     assert_eq!(a[0], -7.0);
     for vertex in 0..v {
@@ -47,41 +45,25 @@ fn ranges_strides_and_buffers(envelope: Envelope<'_>, skin: Skin<'_>) {
 }
 
 #[test]
-fn a_vertex_fits_in_one_buffer_and_the_later_attribute_wins() {
+fn a_vertex_fits_in_one_buffer() {
     with_skin(SMALL, |envelope, skin| {
         let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
         let v = skin.vertex_len();
         let whole = skinned(skin, &palette);
         let of = |at: usize, len: usize| &whole[at..][..len];
         let mut out = vec![-7.0; 12 * v];
-        let vertex = cells(&mut out);
-        let interleaved = SkinJob {
-            positions: output(vertex, 12),
-            normals: output(&vertex[4..], 12),
-            tangents: output(&vertex[8..], 12),
-            ..job(skin, &palette)
-        };
-        interleaved.run().unwrap();
+        let [tangents, positions, normals] = Output::interleaved(&mut out, 12, [8, 0, 4]);
+        let job = SkinJob::new(skin, &palette).positions(positions).normals(normals);
+        job.tangents(tangents).run().unwrap();
         for (i, vertex) in out.chunks(12).enumerate() {
             let (normal, tangent) = (of(3 * (v + i), 3), of(6 * v + 4 * i, 4));
             let expected = [of(3 * i, 3), &[-7.0], normal, &[-7.0], tangent].concat();
             assert_eq!(vertex, expected);
         }
-        // Positions at 0, normals at 2, tangents at 4: each later attribute overwrites floats of
-        // the one before.
-        let mut out = vec![-7.0; 8 * v];
-        let vertex = cells(&mut out);
-        let overlapping = SkinJob {
-            positions: output(vertex, 8),
-            normals: output(&vertex[2..], 8),
-            tangents: output(&vertex[4..], 8),
-            ..job(skin, &palette)
-        };
-        overlapping.run().unwrap();
-        for (i, vertex) in out.chunks(8).enumerate() {
-            let expected = [of(3 * i, 2), of(3 * (v + i), 2), of(6 * v + 4 * i, 4)].concat();
-            assert_eq!(vertex, expected);
-        }
+        // An offset beyond the buffer.
+        let [positions] = Output::interleaved(&mut out[..3], 12, [4]);
+        let error = SkinJob::new(skin, &palette).positions(positions).run().unwrap_err();
+        assert_eq!((error.kind, error.found), (CallErrorKind::TooShort, 0));
     });
 }
 
@@ -93,13 +75,12 @@ fn each_attribute_alone_has_the_same_bits() {
         let whole = bits(&skinned(skin, &palette));
         for (start, len) in [(0, 3), (3 * v, 3), (6 * v, 4)] {
             let mut out = vec![f32::NAN; len * v];
-            let mut alone = job(skin, &palette);
-            let own = output(cells(&mut out), len);
-            match start / v {
-                0 => alone.positions = own,
-                3 => alone.normals = own,
-                _ => alone.tangents = own,
-            }
+            let (alone, own) = (SkinJob::new(skin, &palette), Output::new(&mut out, len));
+            let alone = match start / v {
+                0 => alone.positions(own),
+                3 => alone.normals(own),
+                _ => alone.tangents(own),
+            };
             alone.run().unwrap();
             assert_eq!(bits(&out), whole[start..start + len * v]);
         }
@@ -139,8 +120,7 @@ fn a_remap_gives_the_bits_of_the_vertices_that_it_names() {
             let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
             // Repeated, reversed and missing vertices, and more entries than the mesh has vertices.
             let remap = [6, 0, 0, 5, 4, 6, 1, 1, 3, 0, 6];
-            let remapped =
-                SkinJob { vertices: 0..remap.len(), remap: Some(&remap), ..job(skin, &palette) };
+            let remapped = SkinJob::new(skin, &palette).vertices(0..remap.len()).remap(&remap);
             let (found, n) = (run(&remapped), remap.len());
             let (whole, v) = (skinned(skin, &palette), skin.vertex_len());
             for (i, vertex) in remap.into_iter().map(|vertex| vertex as usize).enumerate() {
@@ -150,17 +130,17 @@ fn a_remap_gives_the_bits_of_the_vertices_that_it_names() {
                     assert_eq!(bits(found), bits(expected), "{vertex}");
                 }
                 // Single vertices, by a range of the mesh.
-                let alone = run(&SkinJob { vertices: vertex..vertex + 1, ..job(skin, &palette) });
+                let alone = run(&SkinJob::new(skin, &palette).vertices(vertex..vertex + 1));
                 assert_eq!(bits(&alone[..3]), bits(&found[3 * i..][..3]));
                 assert_eq!(bits(&alone[3..6]), bits(&found[3 * (n + i)..][..3]));
             }
             // The range counts entries of the remap.
-            let part = run(&SkinJob { vertices: 3..5, ..remapped.clone() });
+            let part = run(&remapped.clone().vertices(3..5));
             assert_eq!(part[..6], found[9..15]);
             // Positions without normals have a separate loop.
             let mut positions = vec![f32::NAN; 3 * n];
-            let out = output(cells(&mut positions), 3);
-            SkinJob { positions: out, ..remapped }.run().unwrap();
+            let out = Output::new(&mut positions, 3);
+            remapped.positions(out).run().unwrap();
             assert_eq!(bits(&positions), bits(&found[..3 * n]));
         });
     }

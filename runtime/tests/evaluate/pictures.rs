@@ -92,7 +92,7 @@ impl Asked {
 
     fn painted(&self, model: &Model<Vec<u8>>) -> (Drawn, Vec<[u8; 4]>) {
         let mut pixels = vec![[0; 4]; SIDE * SIDE];
-        let views = model.views().unwrap();
+        let views = model.first::<Views>().unwrap();
         let drawn = run(&self.job(views), [6, views.order_len(), 64, 64, 64], &mut pixels);
         (drawn.unwrap(), pixels)
     }
@@ -340,7 +340,7 @@ fn refused_pictures_have_written_nothing() {
     content.layers[0].flags = Layer::DEPTH;
     let model = loaded(&content);
     let asked = Asked::new([1.0, 0.0, 0.0], &[[1.0, 0.0]; 2]);
-    let job = asked.job(model.views().unwrap());
+    let job = asked.job(model.first::<Views>().unwrap());
     let mut unsound = asked.points;
     unsound[4][2] = f32::INFINITY;
     // Length of the order: two elements and two layers.

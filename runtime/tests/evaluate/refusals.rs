@@ -1,14 +1,14 @@
 //! Mistakes of a caller are refused, and nothing is written.
 
 use crate::common::{
-    IDENTITY, call_error, job, length_error, output, short_error, stage_error, with_envelope,
-    with_predictor, with_skin,
+    IDENTITY, call_error, length_error, short_error, stage_error, with_envelope, with_predictor,
+    with_skin,
 };
-use models::{JOINTLESS, Pieces, SMALL, STRETCHING, Shape};
-use sinew_runtime::envelope::{Level, Predictor};
-use sinew_runtime::skin::{Rest, cells};
+use models::{JOINTLESS, Pieces, SMALL, STRETCHING, Shape, cells};
+use sinew_runtime::envelope::Predictor;
+use sinew_runtime::skin::Output;
 use sinew_runtime::{
-    Argument, CallError, CallErrorKind as Kind, Envelope, Matrix3x4, Model, SkinJob, stages,
+    Argument, CallError, CallErrorKind as Kind, Envelope, Matrix3x4, Model, Skin, SkinJob, stages,
 };
 use std::cell::Cell;
 
@@ -40,8 +40,7 @@ fn refused_palette(predictor: Predictor, shape: Shape) {
             let mut scratch = vec![-7.0; scratch_len];
             let mut out = vec![[[-7.0; 4]; 3]; out_len];
             let error = envelope.palette(pose, curves, &mut scratch, &mut out).unwrap_err();
-            let level = Level::Joints;
-            let same = envelope.palette_at(level, pose, curves, &mut scratch, &mut out);
+            let same = envelope.base_palette(pose, curves, &mut scratch, &mut out);
             assert_eq!(same, Err(error));
             if predictor == Predictor::Rotational && error.argument != Argument::Curves {
                 let same = envelope.rotational_palette(pose, &mut scratch, &mut out);
@@ -291,7 +290,7 @@ fn stages_of_another_predictor_are_refused() {
 /// Runs a job of the sample after `edit`. A refused job must write nothing.
 fn refuse(
     shape: Shape,
-    edit: impl for<'a> Fn(&mut SkinJob<'a>, &'a Lent<'a>),
+    edit: impl for<'a> Fn(SkinJob<'a>, &'a Lent<'a>) -> SkinJob<'a>,
 ) -> Option<CallError> {
     let mut error = None;
     with_skin(shape, |envelope, skin| {
@@ -300,14 +299,11 @@ fn refuse(
         let (mut a, mut b) = (vec![-7.0; 6 * v], vec![-7.0; 4 * v]);
         {
             let lent = Lent { a: cells(&mut a), b: cells(&mut b) };
-            let mut job = SkinJob {
-                positions: output(lent.a, 6),
-                normals: output(&lent.a[3..], 6),
-                tangents: output(lent.b, 4).filter(|_| skin.has_tangents()),
-                ..job(skin, &palette)
-            };
-            edit(&mut job, &lent);
-            error = job.run().err();
+            let job = SkinJob::new(skin, &palette)
+                .positions(Output::shared(lent.a, 6))
+                .normals(Output::shared(&lent.a[3..], 6))
+                .tangents(Some(Output::shared(lent.b, 4)).filter(|_| skin.has_tangents()));
+            error = edit(job, &lent).run().err();
         }
         assert!(error.is_none() || a.iter().chain(&b).all(|&x| x == -7.0));
     });
@@ -323,21 +319,20 @@ struct Lent<'a> {
 #[test]
 fn a_refused_skin_job_writes_nothing() {
     let v = SMALL.vertices;
-    assert_eq!(refuse(SMALL, |_, _| {}), None);
-    let nothing = |job: &mut SkinJob<'_>, _: &Lent<'_>| {
-        (job.positions, job.normals, job.tangents) = (None, None, None);
-    };
-    let error = refuse(SMALL, nothing).unwrap();
+    assert_eq!(refuse(SMALL, |job, _| job), None);
+    let error = refuse(SMALL, |job, _| job.positions(None).normals(None).tangents(None)).unwrap();
     assert_eq!(error, call_error(Kind::NoOutput, Argument::Call));
     assert_eq!(error.to_string(), "nothing to write to");
-    assert_eq!(
-        refuse(SMALL, |job, _| job.palette = &job.palette[1..]),
-        Some(length_error(Argument::Palette, 3, 2))
-    );
+    with_skin(SMALL, |_, skin| {
+        let (palette, mut out) = ([IDENTITY; 2], vec![-7.0; 3 * v]);
+        let refused = SkinJob::new(skin, &palette).positions(Output::new(&mut out, 3)).run();
+        assert_eq!(refused, Err(length_error(Argument::Palette, 3, 2)));
+        assert!(out.iter().all(|&x| x == -7.0));
+    });
     for (start, end) in [(0, v + 1), (v + 1, v + 1), (usize::MAX, 0), (2, 1)] {
         let error = call_error(Kind::OutOfRange, Argument::Vertices);
         assert_eq!(
-            refuse(SMALL, |job, _| job.vertices = start..end),
+            refuse(SMALL, |job, _| job.vertices(start..end)),
             Some(CallError { index: start, expected: v, found: end, ..error })
         );
     }
@@ -345,34 +340,77 @@ fn a_refused_skin_job_writes_nothing() {
         Some(CallError { expected, found, ..call_error(Kind::Stride, argument) })
     };
     assert_eq!(
-        refuse(SMALL, |job, lent| job.positions = output(lent.a, 2)),
+        refuse(SMALL, |job, lent| job.positions(Output::shared(lent.a, 2))),
         stride(Argument::Positions, 3, 2)
     );
     assert_eq!(
-        refuse(SMALL, |job, lent| job.normals = output(lent.a, 0)),
+        refuse(SMALL, |job, lent| job.normals(Output::shared(lent.a, 0))),
         stride(Argument::Normals, 3, 0)
     );
     assert_eq!(
-        refuse(SMALL, |job, lent| job.tangents = output(lent.b, 3)),
+        refuse(SMALL, |job, lent| job.tangents(Output::shared(lent.b, 3))),
         stride(Argument::Tangents, 4, 3)
     );
     assert_eq!(
-        refuse(SMALL, |job, lent| job.normals = output(&lent.a[4..], 6)),
+        refuse(SMALL, |job, lent| job.normals(Output::shared(&lent.a[4..], 6))),
         Some(short_error(Argument::Normals, 6 * v - 3, 6 * v - 4))
     );
     assert_eq!(
-        refuse(SMALL, |job, lent| job.tangents = output(lent.b, usize::MAX)),
+        refuse(SMALL, |job, lent| job.tangents(Output::shared(lent.b, usize::MAX))),
         Some(short_error(Argument::Tangents, usize::MAX, 4 * v))
     );
     assert_eq!(
-        refuse(SMALL, |job, lent| job.tangents = output(&lent.b[..3], 4)),
+        refuse(SMALL, |job, lent| job.tangents(Output::shared(&lent.b[..3], 4))),
         Some(short_error(Argument::Tangents, 4 * v, 3))
     );
     let none = Shape { tangents: false, ..SMALL };
     assert_eq!(
-        refuse(none, |job, lent| job.tangents = output(lent.b, 4)),
+        refuse(none, |job, lent| job.tangents(Output::shared(lent.b, 4))),
         Some(call_error(Kind::NoAttribute, Argument::Tangents))
     );
+}
+
+#[test]
+fn overlapping_attributes_are_refused() {
+    let overlap = |argument| Some(call_error(Kind::Overlap, argument));
+    // Positions have floats 0 to 2 of 6.
+    for (from, expected) in [
+        (0, overlap(Argument::Normals)),
+        (1, overlap(Argument::Normals)),
+        (2, overlap(Argument::Normals)),
+        (3, None),
+    ] {
+        let found = refuse(SMALL, |job, lent| {
+            // The last vertex has no float behind its normal.
+            job.vertices(0..3).normals(Output::shared(&lent.a[from..], 6))
+        });
+        assert_eq!(found, expected, "{from}");
+    }
+    // Normals that reach into the next vertex's position.
+    for from in [4, 5] {
+        let found = refuse(SMALL, |job, lent| {
+            job.vertices(0..3).normals(Output::shared(&lent.a[from..], 6))
+        });
+        assert_eq!(found, overlap(Argument::Normals), "{from}");
+    }
+    // One vertex behind the other in other strides is apart; mixed strides are not.
+    let found = refuse(SMALL, |job, lent| {
+        let (positions, normals) = lent.a.split_at(9);
+        job.vertices(0..3)
+            .positions(Output::shared(positions, 3))
+            .normals(Output::shared(normals, 4))
+    });
+    assert_eq!(found, None);
+    let found = refuse(SMALL, |job, lent| {
+        let (positions, normals) = (lent.a, &lent.a[8..]);
+        job.vertices(0..3)
+            .positions(Output::shared(positions, 3))
+            .normals(Output::shared(normals, 4))
+    });
+    assert_eq!(found, overlap(Argument::Normals));
+    let found = refuse(SMALL, |job, lent| job.tangents(Output::shared(&lent.a[2..], 6)));
+    assert_eq!(found, overlap(Argument::Tangents));
+    assert_eq!(found.unwrap().to_string(), "tangents: overlap another attribute in memory");
 }
 
 #[test]
@@ -380,7 +418,7 @@ fn a_refused_remap_or_rest_mesh_writes_nothing() {
     const V: usize = SMALL.vertices;
     static BEYOND: [u32; 6] = [0, 6, 7, 3, u32::MAX, 1];
     let beyond = |vertices: std::ops::Range<usize>| {
-        refuse(SMALL, |job, _| (job.remap, job.vertices) = (Some(&BEYOND[..]), vertices.clone()))
+        refuse(SMALL, |job, _| job.remap(&BEYOND).vertices(vertices.clone()))
     };
     let error = |index, found| {
         let error = call_error(Kind::OutOfRange, Argument::Remap);
@@ -396,24 +434,19 @@ fn a_refused_remap_or_rest_mesh_writes_nothing() {
 
     static POSITIONS: [[f32; 3]; V + 1] = [[0.0; 3]; V + 1];
     static TANGENTS: [[f32; 4]; V] = [[1.0, 0.0, 0.0, 1.0]; V];
-    let rest = |rest| refuse(SMALL, |job, _| job.rest = rest);
     for len in [V - 1, V + 1] {
-        let (three, argument) = (Some(&POSITIONS[..len]), length_error(Argument::Call, V, len));
-        let positions = Rest { positions: three, ..Rest::default() };
-        let expected = CallError { argument: Argument::RestPositions, ..argument };
-        assert_eq!(rest(positions), Some(expected));
-        let normals = Rest { normals: three, ..Rest::default() };
-        let expected = CallError { argument: Argument::RestNormals, ..argument };
-        assert_eq!(rest(normals), Some(expected));
+        let (three, error) = (&POSITIONS[..len], length_error(Argument::Call, V, len));
+        let expected = CallError { argument: Argument::RestPositions, ..error };
+        assert_eq!(refuse(SMALL, |job, _| job.rest_positions(three)), Some(expected));
+        let expected = CallError { argument: Argument::RestNormals, ..error };
+        assert_eq!(refuse(SMALL, |job, _| job.rest_normals(three)), Some(expected));
     }
-    let tangents = Rest { tangents: Some(&TANGENTS[1..]), ..Rest::default() };
-    assert_eq!(rest(tangents), Some(length_error(Argument::RestTangents, V, V - 1)));
+    let tangents = refuse(SMALL, |job, _| job.rest_tangents(&TANGENTS[1..]));
+    assert_eq!(tangents, Some(length_error(Argument::RestTangents, V, V - 1)));
     // The caller's tangents replace missing tangents of the skin.
     let none = Shape { tangents: false, ..SMALL };
-    let given = refuse(none, |job, lent| {
-        job.tangents = output(lent.b, 4);
-        job.rest.tangents = Some(&TANGENTS);
-    });
+    let given =
+        refuse(none, |job, lent| job.tangents(Output::shared(lent.b, 4)).rest_tangents(&TANGENTS));
     assert_eq!(given, None);
 }
 
@@ -436,6 +469,6 @@ fn refused_bounds_say_why() {
     });
     // A skin without an envelope takes no palette.
     let model = Model::from_bytes(Pieces::loose(SMALL).bytes()).unwrap();
-    let error = model.skin().unwrap().bounds(&[IDENTITY], 0.0);
+    let error = model.first::<Skin>().unwrap().bounds(&[IDENTITY], 0.0);
     assert_eq!(error, Err(length_error(Argument::Palette, 0, 1)));
 }

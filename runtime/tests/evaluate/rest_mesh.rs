@@ -1,13 +1,11 @@
 //! The caller's rest meshes, and the bounding box of a posed skin.
 
-use crate::common::{
-    IDENTITY, apart, bits, job, output, palette, random_pose, rest, run, skinned, with_skin,
-};
-use models::{Pieces, Rng, SMALL, Shape, direction, floats};
+use crate::common::{IDENTITY, apart, bits, palette, random_pose, rest, run, skinned, with_skin};
+use models::{Pieces, Rest, Rng, SMALL, Shape, direction, floats};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::skin::{Bounds, Rest, cells};
-use sinew_runtime::{Matrix3x4, Model, Skin, SkinJob};
+use sinew_runtime::skin::{Bounds, Output};
+use sinew_runtime::{Envelope, Matrix3x4, Model, Skin, SkinJob};
 
 const CROWD: Shape = Shape { vertices: 60, joints: 6, proxies: 5, influences: 4, ..SMALL };
 
@@ -62,10 +60,11 @@ fn a_mesh_of_the_callers_has_the_bits_of_a_file_with_that_mesh() {
         let mesh = Mesh::new(SMALL.vertices, 29);
         mesh.write(&mut pieces);
         let baked = Model::from_bytes(pieces.bytes()).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
-        let (skin, expected) = (model.skin().unwrap(), skinned(baked.skin().unwrap(), &palette));
-        let given = SkinJob { rest: mesh.rest(), ..job(skin, &palette) };
+        let (skin, expected) =
+            (model.first::<Skin>().unwrap(), skinned(baked.first::<Skin>().unwrap(), &palette));
+        let given = mesh.rest().of(SkinJob::new(skin, &palette));
         assert_eq!(bits(&run(&given)), bits(&expected), "{predictor:?}");
         assert_ne!(run(&given), skinned(skin, &palette), "the file's own mesh is another");
         // Each attribute of the mesh separately, the others from the file. With coefficients the
@@ -82,17 +81,16 @@ fn a_mesh_of_the_callers_has_the_bits_of_a_file_with_that_mesh() {
             }
             let mut mixed = own.clone();
             mixed[range.clone()].copy_from_slice(&expected[range]);
-            assert_eq!(bits(&run(&SkinJob { rest, ..given.clone() })), bits(&mixed));
+            assert_eq!(bits(&run(&rest.of(SkinJob::new(skin, &palette)))), bits(&mixed));
         }
         // Positions without other attributes; and a remap over the vertices.
         let mut positions = vec![f32::NAN; 3 * v];
-        let out = output(cells(&mut positions), 3);
-        SkinJob { positions: out, ..given.clone() }.run().unwrap();
+        let out = Output::new(&mut positions, 3);
+        given.clone().positions(out).run().unwrap();
         assert_eq!(bits(&positions), bits(&expected[..3 * v]));
         let remap = [3, 1, 6];
-        let remapped = SkinJob { remap: Some(&remap), vertices: 0..3, ..given.clone() };
-        let baked =
-            SkinJob { rest: Rest::default(), skin: baked.skin().unwrap(), ..remapped.clone() };
+        let remapped = given.clone().remap(&remap);
+        let baked = SkinJob::new(baked.first::<Skin>().unwrap(), &palette).remap(&remap);
         assert_eq!(bits(&run(&remapped)), bits(&run(&baked)));
     }
 }
@@ -101,7 +99,7 @@ fn a_mesh_of_the_callers_has_the_bits_of_a_file_with_that_mesh() {
 fn a_skin_without_an_envelope_stays_at_rest() {
     let mut pieces = Pieces::loose(SMALL);
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     assert_eq!(skinned(skin, &[]).len(), 10 * SMALL.vertices);
     let still = |found: &[f32], rest: &[f32]| {
         let positions = 3 * SMALL.vertices;
@@ -111,11 +109,11 @@ fn a_skin_without_an_envelope_stays_at_rest() {
     still(&skinned(skin, &[]), &rest(skin));
     // A job with the caller's mesh equals a job with a file of this mesh.
     let mesh = Mesh::new(SMALL.vertices, 31);
-    let given = run(&SkinJob { rest: mesh.rest(), ..job(skin, &[]) });
+    let given = run(&mesh.rest().of(SkinJob::new(skin, &[])));
     mesh.write(&mut pieces);
     let baked = Model::from_bytes(pieces.bytes()).unwrap();
-    still(&given, &rest(baked.skin().unwrap()));
-    assert_eq!(bits(&given), bits(&skinned(baked.skin().unwrap(), &[])));
+    still(&given, &rest(baked.first::<Skin>().unwrap()));
+    assert_eq!(bits(&given), bits(&skinned(baked.first::<Skin>().unwrap(), &[])));
     let mut out = vec![[f32::NAN; 3]; SMALL.vertices];
     skin.skin_positions(&[], &mut out).unwrap();
     assert_eq!(out.as_flattened(), &rest(skin)[..3 * SMALL.vertices]);
@@ -159,8 +157,8 @@ fn bounds_hold_every_vertex() {
 fn holds(skin: Skin<'_>, palette: &[Matrix3x4], mesh: &[[f32; 3]], offset: f32) -> bool {
     let rest = Rest { positions: Some(mesh), ..Rest::default() };
     let mut out = vec![f32::NAN; 3 * mesh.len()];
-    let positions = output(cells(&mut out), 3);
-    SkinJob { rest, positions, ..job(skin, palette) }.run().unwrap();
+    let positions = Output::new(&mut out, 3);
+    rest.of(SkinJob::new(skin, palette)).positions(positions).run().unwrap();
     let bounds: Bounds = skin.bounds(palette, offset).unwrap().unwrap();
     out.as_chunks::<3>().0.iter().all(|&x| bounds.contains(x))
 }
@@ -189,7 +187,9 @@ fn bounds_hold_every_vertex_of_an_offset_mesh() {
                 let by = rng.unit();
                 x + scale * if by.abs() > 0.5 { by.signum() } else { by }
             };
-            for (skin, palette) in [(skin, palette.as_slice()), (loose.skin().unwrap(), &[])] {
+            for (skin, palette) in
+                [(skin, palette.as_slice()), (loose.first::<Skin>().unwrap(), &[])]
+            {
                 let mesh = (0..skin.vertex_len())
                     .map(|vertex| skin.rest_position(vertex).unwrap().map(|x| moved(x, &mut rng)));
                 let mesh = mesh.collect::<Vec<_>>();
@@ -208,7 +208,8 @@ fn bounds_for_too_small_an_offset_do_not_hold() {
     let loose = Model::from_bytes(Pieces::loose(CROWD).bytes()).unwrap();
     with_skin(CROWD, |envelope, skin| {
         let identity = vec![IDENTITY; envelope.palette_len()];
-        for (skin, palette) in [(skin, identity.as_slice()), (loose.skin().unwrap(), &[])] {
+        for (skin, palette) in [(skin, identity.as_slice()), (loose.first::<Skin>().unwrap(), &[])]
+        {
             for axis in 0..3 {
                 let along = |by: f32| {
                     let mesh = (0..skin.vertex_len()).map(|vertex| {

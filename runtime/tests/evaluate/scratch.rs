@@ -1,12 +1,9 @@
-//! Batches and workspaces: the bits do not depend on the scratch.
+//! Batches and scratch: the bits do not depend on the scratch.
 
-use crate::common::{
-    IDENTITY, Stretched, bits, palette_with, random_pose, stretched_pose, with_envelope,
-    with_predictor,
-};
+use crate::common::{Stretched, bits, palette_with, random_pose, stretched_pose, with_predictor};
 use models::{JOINTLESS, Rng, SMALL, STRETCHING, Shape};
+use sinew_runtime::Matrix3x4;
 use sinew_runtime::envelope::{EnvelopeCounts, Predictor, scratch_len};
-use sinew_runtime::{Matrix3x4, Workspace};
 
 #[test]
 fn a_batch_has_the_bits_of_single_poses() {
@@ -58,17 +55,6 @@ const fn counts(predictor: Predictor, shape: Shape, correction_len: u32) -> Enve
         stretches: shape.stretches,
         curve_len: curves as u32,
     }
-}
-
-#[test]
-fn a_workspace_on_the_stack_serves() {
-    const LEN: usize = scratch_len(&counts(Predictor::Rotational, SMALL, 0));
-    with_envelope(SMALL, |envelope| {
-        assert_eq!(envelope.scratch_len(), LEN);
-        let pose = vec![IDENTITY; envelope.joint_len()];
-        let mut out = vec![IDENTITY; envelope.palette_len()];
-        envelope.palette(&pose, &[], &mut Workspace::<LEN>::new(), &mut out).unwrap();
-    });
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! The stage `shapes`: sums, normals, tangents, bounds, and refused calls.
 
-use crate::common::{IDENTITY, bits, call_error, length_error, output, short_error};
-use models::{Pieces, Rng, SMALL, Shape, ShapeContent, direction};
+use crate::common::{IDENTITY, bits, call_error, length_error, short_error};
+use models::{Pieces, Rng, SMALL, Shape, ShapeContent, cells, direction};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Element, SectionKind};
-use sinew_runtime::skin::{BLOCK, Rest, cells};
+use sinew_runtime::skin::{BLOCK, Output};
 use sinew_runtime::{Argument, CallError, CallErrorKind, Model, ShapesJob, Skin, SkinJob};
 use std::ops::Range;
 
@@ -33,14 +33,14 @@ fn weights(rng: &mut Rng) -> Vec<f32> {
 fn run(skin: Skin<'_>, weights: &[f32], vertices: Range<usize>) -> Vec<[f32; 10]> {
     let mut out = vec![[0.0; 10]; vertices.len()];
     let lent = cells(out.as_flattened_mut());
-    let job = ShapesJob {
-        skin,
-        weights,
-        vertices,
-        positions: output(lent, 10),
-        normals: output(lent.get(3..).unwrap_or_default(), 10),
-        tangents: output(lent.get(6..).unwrap_or_default(), 10).filter(|_| skin.has_tangents()),
-    };
+    let job = ShapesJob::new(skin, weights)
+        .vertices(vertices)
+        .positions(Output::shared(lent, 10))
+        .normals(Output::shared(lent.get(3..).unwrap_or_default(), 10))
+        .tangents(
+            Some(Output::shared(lent.get(6..).unwrap_or_default(), 10))
+                .filter(|_| skin.has_tangents()),
+        );
     job.run().unwrap();
     out
 }
@@ -49,7 +49,7 @@ fn run(skin: Skin<'_>, weights: &[f32], vertices: Range<usize>) -> Vec<[f32; 10]
 fn what_the_file_holds_is_read_back() {
     for element in ELEMENTS {
         let (model, content) = shaped(element, SHAPE);
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         assert_eq!((skin.shape_len(), skin.shape_element()), (SHAPES, element));
         assert_eq!(skin.shape_name(0), Some("shape 0"));
         assert_eq!(skin.shape_name(SHAPES - 1), Some("shape 7"));
@@ -80,7 +80,7 @@ fn positions_are_the_sums_of_their_definition() {
     let mut rng = Rng(5);
     for element in ELEMENTS {
         let (model, content) = shaped(element, SHAPE);
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         for _ in 0..20 {
             let weights = weights(&mut rng);
             for (vertex, found) in run(skin, &weights, 0..VERTICES).iter().enumerate() {
@@ -107,7 +107,7 @@ fn normals_and_tangents_are_tilted_by_the_sums_of_slopes() {
     let mut rng = Rng(6);
     for (element, tangents) in ELEMENTS.into_iter().flat_map(|e| [(e, true), (e, false)]) {
         let (model, content) = shaped(element, Shape { tangents, ..SHAPE });
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         let weights = weights(&mut rng);
         for (vertex, found) in run(skin, &weights, 0..VERTICES).iter().enumerate() {
             let sum = |i: usize| {
@@ -153,7 +153,7 @@ fn unit(v: [f64; 3]) -> [f64; 3] {
 #[test]
 fn without_weights_the_mesh_is_at_rest() {
     let (model, _) = shaped(Element::F32, SHAPE);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     for weight in [0.0, -0.0] {
         for (vertex, found) in run(skin, &[weight; SHAPES], 0..VERTICES).iter().enumerate() {
             assert_eq!(found[..3], skin.rest_position(vertex).unwrap().map(|x| x + 0.0));
@@ -167,7 +167,7 @@ fn without_weights_the_mesh_is_at_rest() {
 #[test]
 fn ranges_have_the_bits_of_the_whole() {
     let (model, _) = shaped(Element::I8, SHAPE);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let weights = weights(&mut Rng(7));
     let whole = run(skin, &weights, 0..VERTICES);
     let all = [0..0, 0..1, 5..70, 63..64, 64..128, 63..129, 128..VERTICES, VERTICES..VERTICES];
@@ -180,12 +180,11 @@ fn ranges_have_the_bits_of_the_whole() {
 #[test]
 fn positions_alone_have_the_same_bits() {
     let (model, _) = shaped(Element::F16, SHAPE);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let weights = &weights(&mut Rng(8))[..];
     let mut out = vec![[0.0; 3]; VERTICES];
-    let positions = output(cells(out.as_flattened_mut()), 3);
-    let (normals, tangents) = (None, None);
-    ShapesJob { skin, weights, vertices: 0..VERTICES, positions, normals, tangents }.run().unwrap();
+    let positions = Output::new(out.as_flattened_mut(), 3);
+    ShapesJob::new(skin, weights).positions(positions).run().unwrap();
     for (alone, all) in out.iter().zip(run(skin, weights, 0..VERTICES)) {
         assert_eq!(bits(alone), bits(&all[..3]));
     }
@@ -194,7 +193,7 @@ fn positions_alone_have_the_same_bits() {
 #[test]
 fn a_skin_without_shapes_takes_no_weights() {
     let model = Model::from_bytes(Pieces::sample(Predictor::Rotational, SHAPE).bytes()).unwrap();
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     assert_eq!((skin.shape_len(), skin.shape_name(0), skin.shape_errors()), (0, None, None));
     let found = run(skin, &[], 0..VERTICES);
     assert!(
@@ -210,7 +209,7 @@ fn bounds_hold_every_shaped_and_posed_vertex() {
     let mut rng = Rng(9);
     let with = |pieces: Pieces, rng: &mut Rng| {
         let model = Model::from_bytes(pieces.bytes()).unwrap();
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         let mut on_its_face = false;
         for turn in 0..40 {
             // The ends of the usual range of weights, and values between.
@@ -227,16 +226,9 @@ fn bounds_hold_every_shaped_and_posed_vertex() {
                 .map(|vertex| [vertex[0], vertex[1], vertex[2]])
                 .collect();
             let mut posed = vec![[0.0; 3]; VERTICES];
-            let job = SkinJob {
-                skin,
-                palette: &palette,
-                vertices: 0..VERTICES,
-                remap: None,
-                rest: Rest { positions: Some(&rest), ..Rest::default() },
-                positions: output(cells(posed.as_flattened_mut()), 3),
-                normals: None,
-                tangents: None,
-            };
+            let job = SkinJob::new(skin, &palette)
+                .rest_positions(&rest)
+                .positions(Output::new(posed.as_flattened_mut(), 3));
             job.run().unwrap();
             assert!(posed.iter().all(|x| bounds.contains(*x)), "{weights:?}");
             let still = skin.bounds(&palette, 0.0).unwrap().unwrap();
@@ -261,7 +253,7 @@ fn normals_of_length_zero_stay_zero() {
     pieces.section(SectionKind::RestNormals)[..12].fill(0);
     pieces.set_shapes(&ShapeContent::sample(Element::F32, SHAPES, VERTICES));
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    let found = run(model.skin().unwrap(), &[1.0; SHAPES], 0..1);
+    let found = run(model.first::<Skin>().unwrap(), &[1.0; SHAPES], 0..1);
     assert_eq!(found[0][3..6], [0.0; 3]);
     assert!(direction(&mut Rng(1)).iter().all(|x| x.is_finite()));
 }
@@ -269,29 +261,25 @@ fn normals_of_length_zero_stay_zero() {
 #[test]
 fn bad_calls_are_refused_and_write_nothing() {
     let (model, _) = shaped(Element::F32, SHAPE);
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let mut out = vec![7.0; 4 * VERTICES];
     let weights = [1.0; SHAPES];
     let lent = cells(&mut out);
-    let job = ShapesJob {
-        skin,
-        weights: &weights,
-        vertices: 0..VERTICES,
-        positions: output(lent, 3),
-        normals: None,
-        tangents: None,
-    };
+    let job = ShapesJob::new(skin, &weights).positions(Output::shared(lent, 3));
     let refused = |job: ShapesJob<'_>| job.run().unwrap_err();
-    let found = refused(ShapesJob { positions: None, ..job.clone() });
+    let found = refused(job.clone().positions(None));
     assert_eq!(found, call_error(CallErrorKind::NoOutput, Argument::Call));
-    let found = refused(ShapesJob { weights: &weights[1..], ..job.clone() });
+    let found = refused(ShapesJob::new(skin, &weights[1..]).positions(Output::shared(lent, 3)));
     assert_eq!(found, length_error(Argument::Weights, SHAPES, SHAPES - 1));
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mut weights = weights;
         weights[5] = bad;
         let error =
             CallError { index: 5, ..call_error(CallErrorKind::NonFinite, Argument::Weights) };
-        assert_eq!(refused(ShapesJob { weights: &weights, ..job.clone() }), error);
+        assert_eq!(
+            refused(ShapesJob::new(skin, &weights).positions(Output::shared(lent, 3))),
+            error
+        );
         assert_eq!(error.to_string(), "shape weights: shape 5 is not finite");
         assert_eq!(skin.shaped_bounds(&[IDENTITY; 3], &weights), Err(error));
     }
@@ -302,17 +290,17 @@ fn bad_calls_are_refused_and_write_nothing() {
         (Range { start: 9, end: 8 }, 9),
     ] {
         let error = CallError { index, expected: VERTICES, found: vertices.end, ..range };
-        assert_eq!(refused(ShapesJob { vertices, ..job.clone() }), error);
+        assert_eq!(refused(job.clone().vertices(vertices)), error);
     }
-    let stride = refused(ShapesJob { tangents: output(lent, 3), ..job.clone() });
+    let stride = refused(job.clone().positions(None).tangents(Output::shared(lent, 3)));
     let error = call_error(CallErrorKind::Stride, Argument::Tangents);
     assert_eq!(stride, CallError { expected: 4, found: 3, ..error });
-    let short =
-        refused(ShapesJob { positions: output(&lent[..3 * VERTICES - 1], 3), ..job.clone() });
+    let short = refused(job.clone().positions(Output::shared(&lent[..3 * VERTICES - 1], 3)));
     assert_eq!(short, short_error(Argument::Positions, 3 * VERTICES, 3 * VERTICES - 1));
     let (plain, _) = shaped(Element::F32, Shape { tangents: false, ..SHAPE });
-    let found =
-        refused(ShapesJob { skin: plain.skin().unwrap(), tangents: output(lent, 4), ..job });
+    let found = refused(
+        ShapesJob::new(plain.first::<Skin>().unwrap(), &weights).tangents(Output::shared(lent, 4)),
+    );
     assert_eq!(found, call_error(CallErrorKind::NoAttribute, Argument::Tangents));
     let error = skin.shaped_bounds(&[IDENTITY; 2], &weights).unwrap_err();
     assert_eq!(error, length_error(Argument::Palette, 3, 2));

@@ -2,7 +2,9 @@
 
 use models::{KernelContent, Pieces, ViewsContent};
 use sinew_runtime::views::Found;
-use sinew_runtime::{Argument, CallError, CallErrorKind as Kind, Frame, FrameJob, Model};
+use sinew_runtime::{
+    Argument, CallError, CallErrorKind as Kind, Frame, FrameJob, KernelMap, Model, Views,
+};
 
 /// A frame of the sample, as written.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,19 +33,19 @@ fn sample(is_transferred: bool) -> Model<Vec<u8>> {
 }
 
 fn frame(model: &Model<Vec<u8>>, parameters: &[f32]) -> (Result<Found, CallError>, Written) {
-    let views = model.views().unwrap();
+    let views = model.first::<Views>().unwrap();
     let map = model.map_of(&views, 0).unwrap();
     let mut out = UNWRITTEN;
     let mut scratch = vec![f32::NAN; views.counts().frame_scratch_len(&map.counts())];
     let Written { points, visibility, scores, layers } = &mut out;
     let found = FrameJob { views, map, parameters }
-        .run(&mut scratch, Frame { points, visibility, scores, layers });
+        .run(&mut scratch, &mut Frame { points, visibility, scores, layers });
     (found, out)
 }
 
 /// The outputs of the map itself.
 fn outputs(model: &Model<Vec<u8>>, parameters: &[f32]) -> Vec<f32> {
-    let map = model.kernel().unwrap();
+    let map = model.first::<KernelMap>().unwrap();
     let mut out = vec![0.0; map.result_len()];
     map.evaluate(parameters, &mut vec![0.0; map.counts().scratch_len()], &mut out).unwrap();
     out
@@ -160,7 +162,7 @@ fn at_the_prototypes_reference_the_instance_has_its_own() {
 #[test]
 fn refused_frames_have_written_nothing() {
     let model = sample(true);
-    let views = model.views().unwrap();
+    let views = model.first::<Views>().unwrap();
     let map = model.map_of(&views, 0).unwrap();
     for (parameters, expected) in [
         (vec![0.0; 3], (Kind::Length, Argument::Query)),
@@ -189,14 +191,14 @@ fn refused_frames_have_written_nothing() {
     ] {
         let (mut points, mut layers) = (vec![[f32::MAX; 3]; lens[0]], vec![[f32::MAX; 2]; lens[3]]);
         let [mut visibility, mut scores] = [lens[1], lens[2]].map(|len| vec![f32::MAX; len]);
-        let frame = Frame {
+        let mut frame = Frame {
             points: &mut points,
             visibility: &mut visibility,
             scores: &mut scores,
             layers: &mut layers,
         };
         let job = FrameJob { views, map, parameters: &[0.0; 2] };
-        assert_eq!(job.run(&mut vec![0.0; lens[4]], frame), Err(expected));
+        assert_eq!(job.run(&mut vec![0.0; lens[4]], &mut frame), Err(expected));
         let all = [points.as_flattened(), &visibility, &scores, layers.as_flattened()].concat();
         assert!(all.iter().all(|x| *x == f32::MAX));
     }
@@ -208,12 +210,12 @@ fn another_objects_map_is_refused() {
     let mut pieces = Pieces::kernels(&[KernelContent::map("walk", 51), small]);
     pieces.add_views(&ViewsContent::sample(vec![0], false));
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    let views = model.views().unwrap();
-    let map = model.kernel_named("plain").unwrap();
+    let views = model.first::<Views>().unwrap();
+    let map = model.named::<KernelMap>("plain").unwrap();
     let Written { mut points, mut visibility, mut scores, mut layers } = UNWRITTEN;
     let (points, visibility, scores) = (&mut points, &mut visibility, &mut scores);
-    let out = Frame { points, visibility, scores, layers: &mut layers };
+    let mut out = Frame { points, visibility, scores, layers: &mut layers };
     let job = FrameJob { views, map, parameters: &[0.0; 2] };
-    let found = job.run(&mut [0.0; 256], out).unwrap_err();
+    let found = job.run(&mut [0.0; 256], &mut out).unwrap_err();
     assert_eq!((found.kind, found.argument), (Kind::Length, Argument::Outputs));
 }

@@ -1,16 +1,16 @@
 //! Bytes that change under a loaded model never cause a panic.
 
-use crate::common::{IDENTITY, apart, confident_palette, job, output};
+use crate::common::{IDENTITY, apart, confident_palette};
 use crate::format::ownership::version;
-use models::{KernelContent, Pieces, Rng, SMALL, Shape, TINY, seal};
-use sinew_runtime::envelope::{EnvelopeLayout, Predictor, ScratchLayout};
+use models::{KernelContent, Pieces, Rest, Rng, SMALL, Shape, TINY, cells, seal};
+use sinew_runtime::envelope::{Predictor, ScratchLayout};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::skin::{Rest, SkinLayout, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::views::RenderScratch;
 use sinew_runtime::{
-    Envelope, KernelMap, Matrix3x4, Model, RenderJob, Skin, SkinJob, Views, model_space_pose,
-    stages,
+    Envelope, KernelMap, Matrix3x4, Model, PartLayout, RenderJob, Skin, SkinJob, Views,
+    model_space_pose, stages,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -50,23 +50,23 @@ fn evaluate_changed(first: &[u8], then: Vec<u8>) -> Astray {
     let _ = format!("{model:?}");
     let mut astray = Astray::default();
     // Layouts come from loading; lists are read from the changed bytes.
-    let first_envelope: Option<Envelope<'_>> = model.envelope();
-    for envelope in first_envelope.into_iter().chain(model.envelopes()) {
+    let first_envelope: Option<Envelope<'_>> = model.first::<Envelope>();
+    for envelope in first_envelope.into_iter().chain(model.all::<Envelope>()) {
         astray.joined(read_envelope(&envelope));
     }
-    let first_skin: Option<Skin<'_>> = model.skin();
-    let first_kernel: Option<KernelMap<'_>> = model.kernel();
-    for map in first_kernel.into_iter().chain(model.kernels()) {
+    let first_skin: Option<Skin<'_>> = model.first::<Skin>();
+    let first_kernel: Option<KernelMap<'_>> = model.first::<KernelMap>();
+    for map in first_kernel.into_iter().chain(model.all::<KernelMap>()) {
         astray.joined(read_kernel(&map));
     }
-    for skin in first_skin.into_iter().chain(model.skins()) {
+    for skin in first_skin.into_iter().chain(model.all::<Skin>()) {
         let _ = model.envelope_of(&skin).map(|envelope| envelope.palette_len());
         astray.joined(read_skin(skin));
     }
-    for views in model.all_views() {
+    for views in model.all::<Views>() {
         astray.joined(read_views(&views));
     }
-    let _ = (model.envelope_named("arm").is_some(), model.skin_named("sleeve").is_some());
+    let _ = (model.named::<Envelope>("arm").is_some(), model.named::<Skin>("sleeve").is_some());
     astray
 }
 
@@ -273,16 +273,14 @@ fn read_skin(skin: Skin<'_>) -> Astray {
     let _ = skin.skin_positions(&palette, &mut vec![[0.0; 3]; v]);
     let (mut a, mut b) = (vec![0.0; 6 * v], vec![0.0; 4 * v]);
     let a = cells(&mut a);
-    let whole = SkinJob {
-        positions: output(a, 6),
-        normals: output(a.get(3..).unwrap_or_default(), 6),
-        tangents: output(cells(&mut b), 4).filter(|_| skin.has_tangents()),
-        ..job(skin, &palette)
-    };
+    let whole = SkinJob::new(skin, &palette)
+        .positions(Output::shared(a, 6))
+        .normals(Output::shared(a.get(3..).unwrap_or_default(), 6))
+        .tangents(Some(Output::new(&mut b, 4)).filter(|_| skin.has_tangents()));
     let _ = whole.run();
     let (rest, remap) = (vec![[0.5; 3]; v], vec![v.saturating_sub(1) as u32; v]);
     let rest = Rest { positions: Some(&rest), normals: Some(&rest), tangents: None };
-    let _ = SkinJob { rest, remap: Some(&remap), ..whole }.run();
+    let _ = rest.of(whole).remap(&remap).run();
     astray
 }
 
@@ -362,22 +360,25 @@ fn bytes_that_change_after_loading_never_make_a_panic() {
 fn views_from_a_layout_never_panic_on_changed_bytes() {
     let first = version(0);
     let model = Model::from_bytes(first.as_slice()).unwrap();
-    let layouts: (EnvelopeLayout, SkinLayout) =
-        (model.envelope().unwrap().layout(), model.skin().unwrap().layout());
+    let layouts: [PartLayout; 2] =
+        [model.first::<Envelope>().unwrap().layout(), model.first::<Skin>().unwrap().layout()];
     let mut opened = 0;
     for at in (0..first.len()).step_by(apart(499)) {
         for flip in [1, 0x80, 0xff] {
             let mut then = first.clone();
             then[at] ^= flip;
             // The bytes state the old file's checksum, and open.
-            if let (Some(envelope), Some(skin)) = (layouts.0.open(&then), layouts.1.open(&then)) {
+            if let (Some(envelope), Some(skin)) =
+                (layouts[0].open::<Envelope>(&then), layouts[1].open::<Skin>(&then))
+            {
                 opened += 1;
                 read_envelope(&envelope);
                 read_skin(skin);
             }
             // With their own checksum they do not open.
             seal(&mut then);
-            let other = layouts.0.open(&then).is_none() && layouts.1.open(&then).is_none();
+            let other = layouts[0].open::<Envelope>(&then).is_none()
+                && layouts[1].open::<Skin>(&then).is_none();
             assert!(other || then == first, "{at}");
         }
     }
@@ -401,7 +402,7 @@ fn without_index_checks_changed_bytes_would_panic() {
     then[span.unwrap()].fill(0xff);
     let evaluate = |bytes: Vec<u8>| {
         let model = Model::from_bytes(Changing::new(&first, bytes)).unwrap();
-        let (skin, envelope) = (model.skin().unwrap(), model.envelope().unwrap());
+        let (skin, envelope) = (model.first::<Skin>().unwrap(), model.first::<Envelope>().unwrap());
         let palette = vec![IDENTITY; envelope.palette_len()];
         assert!(skin.skin_positions(&palette, &mut [[0.0; 3]; SMALL.vertices]).is_ok());
         let pose = vec![IDENTITY; SMALL.joints];

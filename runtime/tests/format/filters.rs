@@ -4,7 +4,7 @@ use crate::common::{exercise, file_error};
 use models::{FilterContent, Pieces};
 use sinew_runtime::filter::FILTER_SECTIONS;
 use sinew_runtime::format::{PartRow, SectionKind};
-use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Filter, Model};
 
 /// Loads a filter after `edit` has changed its bytes.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
@@ -30,9 +30,10 @@ fn sound_files_load_beside_other_parts() {
     let bytes = several.bytes();
     exercise(&bytes).unwrap();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let found: Vec<_> = model.filters().map(|filter| (filter.name(), filter.factor())).collect();
+    let found: Vec<_> =
+        model.all::<Filter>().map(|filter| (filter.name(), filter.factor())).collect();
     assert_eq!(found, [("filter", 2), ("other", 3)]);
-    assert_eq!(model.filter_named("other").unwrap().variance(0, 0), None);
+    assert_eq!(model.named::<Filter>("other").unwrap().variance(0, 0), None);
 }
 
 #[test]
@@ -40,7 +41,7 @@ fn accessors_give_what_was_written() {
     let content = FilterContent::sample(2, 5);
     let bytes = Pieces::filter(&content).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let filter = model.filter().unwrap().layout().open(&bytes).unwrap();
+    let filter = model.first::<Filter>().unwrap().layout().open::<Filter>(&bytes).unwrap();
     assert_eq!((filter.factor(), filter.tap_len(), filter.name()), (2, 5, "filter"));
     let variances = content.variances.unwrap();
     for place in 0..5 {

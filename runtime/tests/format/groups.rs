@@ -5,7 +5,7 @@ use crate::format::error;
 use models::{GroupContent, JOINTLESS, Pieces, Rng, SMALL, STRETCHING, Shape, sample_groups, seal};
 use sinew_runtime::envelope::{GroupConfidence, GroupKernel, GroupRow, Predictor};
 use sinew_runtime::format::{CORRECTION_MAX, SectionKind};
-use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
+use sinew_runtime::{Envelope, FileError, FileErrorKind as Kind, Limits, Model};
 
 /// Loads a kernel sample after `edit`.
 fn edited(edit: impl Fn(&mut Pieces)) -> Result<(), FileError> {
@@ -27,7 +27,7 @@ fn accessors_give_what_was_written() {
     let groups = sample_groups(SMALL);
     assert_eq!(groups.len(), 2);
     let model = Model::from_bytes(Pieces::small(Predictor::Kernel).bytes()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     assert_eq!((envelope.predictor(), envelope.group_len()), (Predictor::Kernel, 2));
     assert_eq!(envelope.palette_len(), 4 + 3);
     // 8 (B(d) + B(n) + B(r) + B(12 p)): the first group 8 + 16 + 8 + 16, the second
@@ -74,7 +74,7 @@ fn a_model_of_joints_alone_loads() {
     let shape = Shape { proxies: 0, ..SMALL };
     let bytes = Pieces::sample(Predictor::Kernel, shape).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     assert_eq!((envelope.palette_len(), envelope.correction_len()), (4, 0));
     exercise(&bytes).unwrap();
     let mut pieces = Pieces::small(Predictor::Rotational);

@@ -4,7 +4,7 @@ use crate::common::{apart, exercise, file_error};
 use models::{Content, KernelContent, Pieces, seal};
 use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::kernel::{KERNEL_SECTIONS, Kernel, KernelRule, NO_TERM, OutputKind, QueryRule};
-use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+use sinew_runtime::{FileError, FileErrorKind as Kind, KernelMap, Model};
 
 fn sample() -> KernelContent {
     KernelContent::every(Kernel::Wendland { l: 3 })
@@ -44,7 +44,7 @@ fn sound_files_load_beside_other_parts() {
     several.sections.reverse();
     let bytes = several.bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let parts: Vec<_> = model.kernels().map(|map| (map.part(), map.name())).collect();
+    let parts: Vec<_> = model.all::<KernelMap>().map(|map| (map.part(), map.name())).collect();
     assert_eq!(parts, [(5, "servo"), (6, "every")]);
 }
 
@@ -270,7 +270,7 @@ fn a_reader_may_skip_a_kernel_that_need_not_be_known() {
     let mut pieces = Pieces::kernels(&[sample()]);
     pieces.parts[0] = PartRow { kind: 99, flags: 0 };
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    assert!(model.kernel().is_none() && model.parts().len() == 1);
+    assert!(model.first::<KernelMap>().is_none() && model.parts().len() == 1);
     pieces.parts[0].flags = 1;
     assert_eq!(Model::from_bytes(pieces.bytes()).unwrap_err().kind, Kind::Unsupported);
 }

@@ -2,9 +2,9 @@
 
 use crate::common::{bits, palette, random_pose, skinned};
 use models::{Pieces, Rng};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{CHECKSUM_OFFSET, FileId, SectionKind};
+use sinew_runtime::{Envelope, Model, Skin};
 use std::sync::{Arc, Barrier, RwLock};
 use std::thread;
 
@@ -20,7 +20,7 @@ pub(crate) fn version(number: u8) -> Vec<u8> {
 fn a_model_is_kept_in_any_bytes() {
     fn evaluated<B: AsRef<[u8]>>(bytes: B) -> Vec<u32> {
         let model = Model::from_bytes(bytes).unwrap();
-        let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+        let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
         let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
         bits(&skinned(skin, &palette))
     }
@@ -42,9 +42,9 @@ fn a_model_is_replaced_while_another_thread_uses_it() {
     let load = |number| Arc::new(Model::from_bytes(version(number)).unwrap());
     let stored: RwLock<Arc<Model<Vec<u8>>>> = RwLock::new(load(0));
     let turn = Barrier::new(2);
-    let pose = random_pose(&load(0).envelope().unwrap(), &mut Rng(5), 0.3);
+    let pose = random_pose(&load(0).first::<Envelope>().unwrap(), &mut Rng(5), 0.3);
     let evaluate = |model: &Model<Vec<u8>>| {
-        let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+        let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
         bits(&skinned(skin, &palette(&envelope, &pose)))
     };
     thread::scope(|scope| {
@@ -57,7 +57,7 @@ fn a_model_is_replaced_while_another_thread_uses_it() {
                 turn.wait();
                 assert_eq!(evaluate(&held), before);
                 let name = [b'a' + number, b'r', b'm'];
-                assert_eq!(held.envelope().unwrap().name().as_bytes(), name);
+                assert_eq!(held.first::<Envelope>().unwrap().name().as_bytes(), name);
                 assert_eq!(Arc::strong_count(&held), 1, "this thread alone still has it");
             }
         });
@@ -68,21 +68,22 @@ fn a_model_is_replaced_while_another_thread_uses_it() {
         }
         user.join().unwrap();
     });
-    assert_eq!(stored.into_inner().unwrap().envelope().unwrap().name(), "irm");
+    assert_eq!(stored.into_inner().unwrap().first::<Envelope>().unwrap().name(), "irm");
 }
 
 #[test]
 fn a_layout_opens_only_its_own_file() {
     let (bytes, other) = (version(0), version(1));
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let (envelope_layout, skin_layout) = (envelope.layout(), skin.layout());
     assert_eq!((envelope.file(), skin.file()), (model.id(), model.id()));
     assert_eq!(FileId::of(&bytes), Some(model.id()));
     let pose = random_pose(&envelope, &mut Rng(5), 0.3);
     let expected = skinned(skin, &palette(&envelope, &pose));
     let opened = |file: &[u8]| {
-        let (envelope, skin) = (envelope_layout.open(file), skin_layout.open(file));
+        let (envelope, skin) =
+            (envelope_layout.open::<Envelope>(file), skin_layout.open::<Skin>(file));
         assert_eq!(envelope.is_some(), skin.is_some());
         Some(skinned(skin?, &palette(&envelope?, &pose)))
     };
@@ -99,6 +100,6 @@ fn a_layout_opens_only_its_own_file() {
     let mut states_another = bytes.clone();
     states_another[CHECKSUM_OFFSET + 3] ^= 1;
     assert_eq!(opened(&states_another), None);
-    assert_eq!(envelope_layout.counts(), envelope.counts());
-    assert_eq!(skin_layout.counts(), skin.counts());
+    assert!(envelope_layout.open::<Skin>(&bytes).is_none(), "a part of another kind");
+    assert!(skin_layout.open::<Envelope>(&bytes).is_none(), "a part of another kind");
 }

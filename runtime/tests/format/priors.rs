@@ -4,7 +4,7 @@ use crate::common::{exercise, file_error};
 use models::{Pieces, PriorContent};
 use sinew_runtime::format::{PartRow, SectionKind};
 use sinew_runtime::prior::PRIOR_SECTIONS;
-use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model};
+use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Model, Prior};
 
 /// Loads a face after `edit` has changed its prior in plain lists.
 fn with(edit: impl FnOnce(&mut PriorContent)) -> Result<(), FileError> {
@@ -36,9 +36,9 @@ fn sound_files_load_beside_other_parts() {
     let bytes = several.bytes();
     exercise(&bytes).unwrap();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let found: Vec<_> = model.priors().map(|prior| (prior.part(), prior.name())).collect();
+    let found: Vec<_> = model.all::<Prior>().map(|prior| (prior.part(), prior.name())).collect();
     assert_eq!(found, [(6, "prior"), (7, "other")]);
-    assert_eq!(model.skin_of(&model.prior_named("other").unwrap()).unwrap().part(), 5);
+    assert_eq!(model.skin_of(&model.named::<Prior>("other").unwrap()).unwrap().part(), 5);
 }
 
 #[test]
@@ -46,7 +46,7 @@ fn accessors_give_what_was_written() {
     let content = PriorContent::sample(0, 8);
     let bytes = Pieces::face().bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let prior = model.prior().unwrap().layout().open(&bytes).unwrap();
+    let prior = model.first::<Prior>().unwrap().layout().open::<Prior>(&bytes).unwrap();
     assert_eq!(model.skin_of(&prior).unwrap().part(), 0);
     assert_eq!((0..9).map_while(|s| prior.mean(s)).collect::<Vec<_>>(), content.mean);
     assert_eq!((0..9).map_while(|s| prior.weight_bounds(s)).collect::<Vec<_>>(), content.bounds);

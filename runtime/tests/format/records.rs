@@ -5,7 +5,7 @@ use models::{Pieces, RecordContent};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::record::RECORD_SECTIONS;
-use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+use sinew_runtime::{Envelope, FileError, FileErrorKind as Kind, Model, Record};
 
 /// Loads a record after `edit` has changed its bytes.
 fn edited(edit: impl FnOnce(&mut Pieces)) -> Result<(), FileError> {
@@ -26,8 +26,8 @@ fn accessors_give_what_was_written() {
     let bytes = pieces.bytes();
     exercise(&bytes).unwrap();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let own = model.envelope().and_then(|envelope| model.record_of(&envelope));
-    let other = model.records().find(|record| record.name() == "other").unwrap();
+    let own = model.first::<Envelope>().and_then(|envelope| model.named::<Record>(envelope.name()));
+    let other = model.all::<Record>().find(|record| record.name() == "other").unwrap();
     let content = RecordContent::sample();
     let marks: Vec<f32> = other.frame_marks().flatten().collect();
     assert_eq!(marks, content.marks);

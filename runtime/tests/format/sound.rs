@@ -5,7 +5,7 @@ use models::{Content, JOINTLESS, Pieces, SMALL, STRETCHING, floats};
 use sinew_runtime::envelope::{NO_JOINT, Predictor};
 use sinew_runtime::format::{SectionKind, Space};
 use sinew_runtime::skin::NormalErrors;
-use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+use sinew_runtime::{Envelope, FileError, FileErrorKind as Kind, Model, Skin};
 
 #[test]
 fn a_sound_file_loads_at_any_address() {
@@ -33,7 +33,7 @@ fn accessors_give_what_was_written() {
     pieces.set_float(SectionKind::C2, 8 * (16 + 2) + 3, 0.375);
     let bytes = pieces.bytes();
     let model = shared(Model::from_bytes(bytes.as_slice()).unwrap());
-    let envelope = shared(model.envelope().unwrap());
+    let envelope = shared(model.first::<Envelope>().unwrap());
     assert_eq!((envelope.name(), envelope.root()), ("arm", 1));
     assert_eq!(envelope.joint_name(3), Some("joint 3"));
     assert_eq!(envelope.joint_name(4), None);
@@ -52,7 +52,7 @@ fn accessors_give_what_was_written() {
     assert_eq!((first.twist[0][0], first.shear[0][0], first.shear[3][0]), (0.5, 0.5, 0.5));
     assert_eq!(envelope.certificate().lbs_training_rms, 0.04);
     assert_eq!(envelope.certificate().base_training_rms, 0.03);
-    let skin = shared(model.skin().unwrap());
+    let skin = shared(model.first::<Skin>().unwrap());
     assert_eq!((skin.name(), skin.vertex_len(), skin.influence_len()), ("sleeve", 7, 2));
     assert_eq!((skin.palette_len(), skin.envelope_part()), (3, Some(0)));
     assert_eq!(skin.influences(1).collect::<Vec<_>>(), [(1, 0.75), (2, 0.25)]);
@@ -75,7 +75,7 @@ fn accessors_give_what_was_written() {
         let mut pieces = pieces.clone();
         pieces.set_half(SectionKind::TangentCoefficients, 2 + at, half);
         let model = Model::from_bytes(pieces.bytes()).unwrap();
-        let found = model.skin().unwrap().tangent_coefficients(1 + at / 2).next().unwrap();
+        let found = model.first::<Skin>().unwrap().tangent_coefficients(1 + at / 2).next().unwrap();
         assert_eq!(found[at % 2], exact);
     }
     assert_eq!(skin.tangent_coefficients(0).len(), 1);
@@ -83,8 +83,10 @@ fn accessors_give_what_was_written() {
     assert_eq!(skin.normal_errors(), Some(NormalErrors { model: 0.03125, lbs: 0.125 }));
     let ranges = skin.ranges().collect::<Vec<_>>();
     assert_eq!(ranges, [("upper", 0..3), ("lower", 4..7)]);
-    assert!(model.envelope_named("arm").is_some() && model.envelope_named("sleeve").is_none());
-    assert!(model.skin_named("sleeve").is_some() && model.skin_named("arm").is_none());
+    assert!(
+        model.named::<Envelope>("arm").is_some() && model.named::<Envelope>("sleeve").is_none()
+    );
+    assert!(model.named::<Skin>("sleeve").is_some() && model.named::<Skin>("arm").is_none());
     assert_eq!((model.parts().len(), model.sections().len()), (2, 20));
     assert_eq!((model.as_bytes(), model.space()), (bytes.as_slice(), Space::default()));
     let first = model.sections().next().unwrap();
@@ -97,7 +99,7 @@ fn stretches_and_curves_are_read_back() {
     for predictor in Predictor::ALL {
         let mut pieces = Pieces::sample(predictor, STRETCHING);
         let model = Model::from_bytes(pieces.bytes()).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         assert!(envelope.stretches());
         let ranges = [0, 1, 2, 3, 4].map(|joint| envelope.stretch_range(joint));
         assert_eq!(ranges, [Some(0.0), Some(0.25), Some(0.5), Some(0.0), None]);
@@ -119,7 +121,7 @@ fn stretches_and_curves_are_read_back() {
     }
     // A rigid model has none of them.
     let model = Model::from_bytes(Pieces::small(Predictor::Rotational).bytes()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     assert!(!envelope.stretches() && envelope.key(0).unwrap().stretch.is_none());
     assert_eq!((envelope.stretch_range(3), envelope.stretch_range(4)), (Some(0.0), None));
     assert_eq!((envelope.curve_len(), envelope.curve_range(0)), (0, None));
@@ -130,7 +132,7 @@ fn a_model_may_follow_curves_alone() {
     let bytes = Pieces::sample(Predictor::Kernel, JOINTLESS).bytes();
     exercise(&bytes).unwrap();
     let model = Model::from_bytes(bytes).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     assert_eq!((envelope.joint_len(), envelope.root(), envelope.curve_len()), (0, 0, 5));
     assert_eq!((envelope.palette_len(), envelope.counts().feature_len()), (3, 5));
     assert_eq!(envelope.evaluation_order().len(), 0);
@@ -139,7 +141,7 @@ fn a_model_may_follow_curves_alone() {
         (None, None, None)
     );
     assert!(envelope.groups().all(|group| group.joint == usize::from(NO_JOINT)));
-    assert_eq!(model.skin().unwrap().palette_len(), 3);
+    assert_eq!(model.first::<Skin>().unwrap().palette_len(), 3);
     // Without curves there must be joints, and without joints helpers.
     let refused = |edit: &dyn Fn(&mut Pieces)| {
         let mut pieces = Pieces::sample(Predictor::Kernel, JOINTLESS);
@@ -172,25 +174,31 @@ fn several_envelopes_and_skins_stand_in_one_file() {
     let model = Model::from_bytes(bytes).unwrap();
     let kinds = model.parts().map(|row| row.kind).collect::<Vec<_>>();
     assert_eq!(kinds, [1, 2, 1, 2, 2]);
-    let predictors = model.envelopes().map(|envelope| (envelope.part(), envelope.predictor()));
+    let predictors =
+        model.all::<Envelope>().map(|envelope| (envelope.part(), envelope.predictor()));
     let expected = [(0, Predictor::Rotational), (2, Predictor::Kernel)];
     assert_eq!(predictors.collect::<Vec<_>>(), expected);
-    let skins = model.skins().map(|skin| (skin.part(), skin.envelope_part(), skin.palette_len()));
+    let skins =
+        model.all::<Skin>().map(|skin| (skin.part(), skin.envelope_part(), skin.palette_len()));
     let expected = [(1, Some(0), 3), (3, Some(2), 7), (4, None, 0)];
     assert_eq!(skins.collect::<Vec<_>>(), expected);
-    let followed = model.skins().map(|skin| model.envelope_of(&skin).map(|found| found.part()));
+    let followed =
+        model.all::<Skin>().map(|skin| model.envelope_of(&skin).map(|found| found.part()));
     assert_eq!(followed.collect::<Vec<_>>(), [Some(0), Some(2), None]);
-    assert_eq!((model.envelope().unwrap().part(), model.skin().unwrap().part()), (0, 1));
-    let eye = model.skin_named("eye").unwrap();
+    assert_eq!(
+        (model.first::<Envelope>().unwrap().part(), model.first::<Skin>().unwrap().part()),
+        (0, 1)
+    );
+    let eye = model.named::<Skin>("eye").unwrap();
     assert_eq!((eye.part(), eye.influence_len(), eye.influences(0).len()), (4, 0, 0));
     // A mesh without an envelope, and an envelope without a mesh.
     let loose = Model::from_bytes(Pieces::loose(SMALL).bytes()).unwrap();
-    assert!(loose.envelope().is_none() && loose.skin().is_some());
+    assert!(loose.first::<Envelope>().is_none() && loose.first::<Skin>().is_some());
     let mut alone = Pieces::small(Predictor::Kernel);
     alone.parts.truncate(1);
     alone.sections.retain(|content| content.part == 0);
     let alone = Model::from_bytes(alone.bytes()).unwrap();
-    assert!(alone.envelope().is_some() && alone.skin().is_none());
+    assert!(alone.first::<Envelope>().is_some() && alone.first::<Skin>().is_none());
 }
 
 #[test]
@@ -205,10 +213,10 @@ fn sections_stand_in_any_order() {
         exercise(&bytes).unwrap();
         let model = Model::from_bytes(bytes).unwrap();
         let envelopes = |model: &Model<Vec<u8>>| {
-            model.envelopes().map(|envelope| envelope.counts()).collect::<Vec<_>>()
+            model.all::<Envelope>().map(|envelope| envelope.counts()).collect::<Vec<_>>()
         };
         assert_eq!(envelopes(&model), envelopes(&expected));
-        for (found, expected) in model.skins().zip(expected.skins()) {
+        for (found, expected) in model.all::<Skin>().zip(expected.all::<Skin>()) {
             let palette = vec![crate::common::IDENTITY; found.palette_len()];
             assert_eq!(skinned(found, &palette), skinned(expected, &palette));
         }

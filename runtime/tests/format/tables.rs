@@ -6,7 +6,7 @@ use models::{Content, JOINTLESS, Pieces, SMALL, STRETCHING};
 use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, Predictor};
 use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind, SectionRow};
 use sinew_runtime::skin::{SKIN_SECTIONS, SkinCounts};
-use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+use sinew_runtime::{Envelope, FileError, FileErrorKind as Kind, Model, Skin};
 
 #[test]
 fn each_row_of_the_part_table_is_checked() {
@@ -168,7 +168,8 @@ fn section_of(sample: &Pieces, part: u16, section: SectionKind) {
     };
     let error = |kind| FileError { part: Some(part), section: Some(section), ..file_error(kind) };
     let model = Model::from_bytes(sample.bytes()).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap().counts(), model.skin().unwrap().counts());
+    let (envelope, skin) =
+        (model.first::<Envelope>().unwrap().counts(), model.first::<Skin>().unwrap().counts());
     let (own, has) = match part {
         0 => (ENVELOPE_SECTIONS.as_slice(), Some(envelope.has(section))),
         _ => (SKIN_SECTIONS.as_slice(), skin.has(section)),

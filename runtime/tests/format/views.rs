@@ -8,7 +8,7 @@ use sinew_runtime::views::{
     CLIP_ELEMENTS_MAX, CLIPS_MAX, Element, FITS_MAX, Layer, NO_VERTEX, NOTHING, VIEWS_SECTIONS,
     ViewsCounts,
 };
-use sinew_runtime::{FileError, FileErrorKind as Kind, Model};
+use sinew_runtime::{FileError, FileErrorKind as Kind, KernelMap, Model, Views};
 
 /// Loads an object after two maps and after `edit` has changed its plain lists.
 fn with(edit: impl FnOnce(&mut ViewsContent)) -> Result<(), FileError> {
@@ -44,9 +44,9 @@ fn sound_files_load_beside_other_parts() {
     let bytes = several.bytes();
     exercise(&bytes).unwrap();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let parts: Vec<_> = model.all_views().map(|views| views.part()).collect();
+    let parts: Vec<_> = model.all::<Views>().map(|views| views.part()).collect();
     assert_eq!(parts, [7, 9]);
-    let views = model.views_named("object").unwrap();
+    let views = model.named::<Views>("object").unwrap();
     let names: Vec<_> = (0..3).map_while(|map| model.map_of(&views, map)).collect();
     assert_eq!(names.iter().map(|map| map.name()).collect::<Vec<_>>(), ["walk", "jump"]);
     assert_eq!((views.map_part(1), views.map_part(2)), (Some(6), None));
@@ -58,7 +58,7 @@ fn accessors_give_what_was_written() {
     let [_, pieces] = Pieces::viewed();
     let bytes = pieces.bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    let views = model.views().unwrap().layout().open(&bytes).unwrap();
+    let views = model.first::<Views>().unwrap().layout().open::<Views>(&bytes).unwrap();
     assert_eq!((views.point_len(), views.vertex_len(), views.element_len()), (9, 10, 7));
     assert_eq!((views.view_len(), views.layer_len(), views.order_len()), (3, 2, 9));
     assert_eq!(views.size(), [48, 40]);
@@ -131,7 +131,7 @@ fn accessors_give_what_was_written() {
     assert!(views.texture(2).is_none() && views.is_transferred());
     assert_eq!(views.fit().figures(), content.fit);
     let [plain, _] = Pieces::viewed().map(|pieces| Model::from_bytes(pieces.bytes()).unwrap());
-    let plain = plain.views().unwrap();
+    let plain = plain.first::<Views>().unwrap();
     assert!(!plain.is_transferred() && plain.ratio(0).is_none() && plain.offset(0, 0).is_none());
 }
 
@@ -470,5 +470,5 @@ fn a_reader_that_does_not_know_the_kind_leaves_it_alone() {
     pieces.parts[1] = PartRow { kind: 9, flags: 0 };
     let bytes = pieces.bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    assert!(model.views().is_none() && model.kernels().count() == 1);
+    assert!(model.first::<Views>().is_none() && model.all::<KernelMap>().count() == 1);
 }

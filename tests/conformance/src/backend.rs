@@ -30,8 +30,8 @@ impl<'a> Loaded<'a> {
     /// If the bytes are not a model with an envelope and a skin.
     pub fn new(bytes: &'a [u8]) -> Self {
         let model = Model::from_bytes(bytes).expect("a baked model loads");
-        let envelope = model.envelope().and_then(|envelope| envelope.layout().open(bytes));
-        let skin = model.skin().and_then(|skin| skin.layout().open(bytes));
+        let envelope = model.first::<Envelope>().and_then(|envelope| envelope.layout().open(bytes));
+        let skin = model.first::<Skin>().and_then(|skin| skin.layout().open(bytes));
         let (envelope, skin) =
             (envelope.expect("it holds an envelope"), skin.expect("it holds a skin"));
         Self { model, envelope, skin }

@@ -5,8 +5,9 @@ use crate::compare::POISON;
 use crate::filters::FilterSubject;
 use crate::kernels::KernelSubject;
 use crate::shapes::ShapeSubject;
+use models::cells;
 use sinew_gpu::layout::{Attribute, ShapesBatch, SkinBatch, Stage};
-use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{Matrix3x4, ShapesJob, SkinJob, stages};
 use sinew_trainer::regression::arithmetic::Arithmetic;
 use std::cell::Cell;
@@ -168,16 +169,11 @@ impl Backend for Cpu {
         let out = cells(out);
         for i in 0..n {
             let at = |attribute| output(out, attribute, i);
-            let job = SkinJob {
-                skin: loaded.skin,
-                palette: part(palettes, n, i),
-                vertices: skin.vertices.clone(),
-                remap: None,
-                rest: Rest::default(),
-                positions: at(skin.positions),
-                normals: at(skin.normals),
-                tangents: at(skin.tangents),
-            };
+            let job = SkinJob::new(loaded.skin, part(palettes, n, i))
+                .vertices(skin.vertices.clone())
+                .positions(at(skin.positions))
+                .normals(at(skin.normals))
+                .tangents(at(skin.tangents));
             job.run()?;
         }
         Ok(())
@@ -209,14 +205,11 @@ impl Backend for Cpu {
         let out = cells(out);
         for face in 0..subject.face_len {
             let at = |attribute| output(out, attribute, face);
-            let job = ShapesJob {
-                skin: subject.skin,
-                weights: part(&subject.weights, subject.face_len, face),
-                vertices: batch.vertices.clone(),
-                positions: at(batch.positions),
-                normals: at(batch.normals),
-                tangents: at(batch.tangents),
-            };
+            let job = ShapesJob::new(subject.skin, part(&subject.weights, subject.face_len, face))
+                .vertices(batch.vertices.clone())
+                .positions(at(batch.positions))
+                .normals(at(batch.normals))
+                .tangents(at(batch.tangents));
             job.run()?;
         }
         Ok(())
@@ -253,5 +246,5 @@ fn output<'o>(
     instance: usize,
 ) -> Option<Output<'o>> {
     let Attribute { offset, stride, instance_stride } = attribute?;
-    Some(Output { floats: &out[offset + instance * instance_stride..], stride })
+    Some(Output::shared(&out[offset + instance * instance_stride..], stride))
 }

@@ -28,7 +28,8 @@ impl<'a> FilterSubject<'a> {
     /// If the bytes are not a model with a filter.
     pub fn new(bytes: &'a [u8], signal_len: usize, lane_len: usize) -> Self {
         let model = Model::from_bytes(bytes).expect("a filter loads");
-        let filter = model.filter().and_then(|filter| filter.layout().open(bytes));
+        let filter =
+            model.first::<Filter>().and_then(|filter| filter.layout().open::<Filter>(bytes));
         let filter = filter.expect("it holds a filter");
         let shape = Samples { signal_len, sample_len: filter.tap_len() + 7, lane_len };
         let mut random = Rng(1960);

@@ -29,7 +29,8 @@ impl<'a> KernelSubject<'a> {
     /// If the bytes are not a model with a kernel.
     pub fn new(bytes: &'a [u8], query_len: usize) -> Self {
         let model = Model::from_bytes(bytes).expect("a kernel loads");
-        let kernel = model.kernel().and_then(|kernel| kernel.layout().open(bytes));
+        let kernel =
+            model.first::<KernelMap>().and_then(|kernel| kernel.layout().open::<KernelMap>(bytes));
         let kernel = kernel.expect("it holds a kernel");
         let mut random = Rng(1992);
         let query = |number: usize| {

@@ -229,7 +229,7 @@ mod tests {
     fn poses_are_rigid_and_the_same_every_time() {
         let bytes = models::random(shape_of(Predictor::Rotational));
         let model = Model::from_bytes(bytes).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let all = poses(&envelope, POSES);
         assert!(all.len() >= 1000);
         assert!(all.iter().zip(poses(&envelope, POSES)).all(|(a, b)| a.transforms == b.transforms));
@@ -250,7 +250,7 @@ mod tests {
         for shape in SHAPES.into_iter().filter(|shape| shape.stretches) {
             let bytes = models::random(shape);
             let model = Model::from_bytes(bytes).unwrap();
-            let envelope = model.envelope().unwrap();
+            let envelope = model.first::<Envelope>().unwrap();
             let all = poses(&envelope, POSES);
             assert!(all.iter().all(|pose| pose.curves.len() == shape.curves));
             let volumes = |kind: Kind| {

@@ -33,7 +33,7 @@ impl<'a> ShapeSubject<'a> {
     /// If the bytes are not a model with a skin.
     pub fn new(bytes: &'a [u8], face_len: usize) -> Self {
         let model = Model::from_bytes(bytes).expect("a skin loads");
-        let skin = model.skin().and_then(|skin| skin.layout().open(bytes));
+        let skin = model.first::<Skin>().and_then(|skin| skin.layout().open::<Skin>(bytes));
         let skin = skin.expect("it holds a skin");
         let mut random = Rng(2010);
         let mut weight = || {

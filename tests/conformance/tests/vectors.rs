@@ -4,8 +4,8 @@
 use conformance::backend::Loaded;
 use conformance::vectors::{Folder, VectorError, write};
 use sinew_runtime::filter::Samples;
-use sinew_runtime::skin::{Output as Attribute, cells};
-use sinew_runtime::{Matrix3x4, Model, ShapesJob};
+use sinew_runtime::skin::Output as Attribute;
+use sinew_runtime::{Filter, KernelMap, Matrix3x4, Model, ShapesJob, Skin};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -168,7 +168,7 @@ fn outputs_of_kernels_equal_the_runtimes() {
     assert_eq!(all.len(), 16);
     for case in all {
         let model = Model::from_bytes(fs::read(case.join("model.snw")).unwrap()).unwrap();
-        let kernel = model.kernel().unwrap();
+        let kernel = model.first::<KernelMap>().unwrap();
         let [queries, outputs, confidences] =
             ["query", "output", "confidence"].map(|name| floats(case.join(format!("{name}.f32"))));
         let mut found = vec![f32::NAN; kernel.result_len()];
@@ -196,7 +196,7 @@ fn signals_equal_the_runtimes() {
             ["sample", "fine"].map(|name| floats(case.join(format!("{name}.f32"))));
         let mut found = vec![f32::NAN; fine.len()];
         let shape = Samples { signal_len, sample_len, lane_len };
-        model.filter().unwrap().apply(shape, &samples, &mut found).unwrap();
+        model.first::<Filter>().unwrap().apply(shape, &samples, &mut found).unwrap();
         assert_eq!(found, fine, "{}", case.display());
     }
 }
@@ -251,15 +251,21 @@ fn shaped_meshes_equal_the_runtimes() {
     assert_eq!(all.len(), 4);
     for case in all {
         let model = Model::from_bytes(fs::read(case.join("model.snw")).unwrap()).unwrap();
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         let read = |array: &str| floats(case.join(format!("{array}.f32")));
         let (weights, positions) = (read("weight"), read("positions"));
         let faces = weights.chunks(skin.shape_len()).zip(positions.chunks(3 * skin.vertex_len()));
         for (weights, positions) in faces {
             let mut found = vec![f32::NAN; positions.len()];
-            let to = Some(Attribute { floats: cells(&mut found), stride: 3 });
+            let to = Some(Attribute::new(&mut found, 3));
             let (vertices, normals, tangents) = (0..skin.vertex_len(), None, None);
-            ShapesJob { skin, weights, vertices, positions: to, normals, tangents }.run().unwrap();
+            ShapesJob::new(skin, weights)
+                .vertices(vertices)
+                .positions(to)
+                .normals(normals)
+                .tangents(tangents)
+                .run()
+                .unwrap();
             assert_eq!(found, positions);
         }
         assert_eq!(case.join("tangents.tolerance.f32").exists(), skin.has_tangents());

@@ -5,7 +5,9 @@ use crate::memory::take;
 use crate::platform::{TICK, count_down, instructions_of, stack_of, start_timer};
 use crate::say;
 use core::hint::black_box;
-use sinew_runtime::skin::{Output, Rest, cells};
+#[cfg(feature = "kernel")]
+use sinew_runtime::KernelMap;
+use sinew_runtime::skin::Output;
 use sinew_runtime::{Envelope, Model, Skin, SkinJob, model_space_pose};
 
 /// Models of the shape for which the budget is stated.
@@ -36,8 +38,8 @@ pub fn servo() -> bool {
 #[cfg(feature = "kernel")]
 fn servo_kernel(memory: &mut Memory) -> Option<()> {
     let model = load("servo", include_bytes!("../../golden/kernel-9-servo.snw"))?;
-    let kernel = model.kernel()?;
-    let scratch = cut(&mut memory.scratch, kernel.counts().scratch_len());
+    let kernel = model.first::<KernelMap>()?;
+    let scratch = cut(&mut memory.scratch, kernel.scratch_len());
     let mut rng = Rng(7);
     let (mut query, mut angle) = ([0.0; 6], [0.0]);
     let (mut most, mut sound) = (0, true);
@@ -48,14 +50,14 @@ fn servo_kernel(memory: &mut Memory) -> Option<()> {
         most = most.max(step);
     }
     let stack = stack_of(&mut || sound &= kernel.evaluate(&query, scratch, &mut angle).is_ok());
-    say!("servo scratch {}", 4 * kernel.counts().scratch_len());
+    say!("servo scratch {}", 4 * kernel.scratch_len());
     say!("servo step_instructions {most}");
     say!("servo step_stack {stack}");
     sound.then_some(())
 }
 
 /// Prints the cost of a skin with tangent coefficients; returns whether the evaluation succeeded.
-#[cfg(feature = "tangent-coefficients")]
+#[cfg(feature = "normals")]
 pub fn normals() -> bool {
     let Some(memory) = take() else { return false };
     start_timer();
@@ -64,10 +66,11 @@ pub fn normals() -> bool {
 }
 
 /// Prints the instructions for positions and normals, and the deepest stack for all attributes.
-#[cfg(feature = "tangent-coefficients")]
+#[cfg(feature = "normals")]
 fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
     let model = load("normals", file)?;
-    let (envelope, skin) = (model.envelope()?, model.skin().filter(Skin::has_coefficients)?);
+    let (envelope, skin) =
+        (model.first::<Envelope>()?, model.first::<Skin>().filter(Skin::has_coefficients)?);
     let local = cut(&mut memory.local, envelope.joint_len());
     let mut rng = Rng(7);
     local.iter_mut().for_each(|local| *local = rng.local(0.3));
@@ -76,21 +79,13 @@ fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
     let palette = cut(&mut memory.palette, envelope.palette_len());
     let scratch = cut(&mut memory.scratch, envelope.scratch_len());
     envelope.palette(pose, &[], scratch, palette).ok()?;
-    let lent = cells(cut(&mut memory.skin, 10 * skin.vertex_len()));
-    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
-    let job = SkinJob {
-        skin,
-        palette,
-        vertices: 0..skin.vertex_len(),
-        remap: None,
-        rest: Rest::default(),
-        positions: black_box(attribute(0)),
-        normals: black_box(attribute(3)),
-        tangents: None,
-    };
+    let [positions, normals, tangents] =
+        Output::interleaved(cut(&mut memory.skin, 10 * skin.vertex_len()), 10, [0, 3, 6]);
+    let job = SkinJob::new(skin, palette);
+    let job = job.positions(black_box(Some(positions))).normals(black_box(Some(normals)));
     let mut sound = true;
     let skinning = instructions_of(|| sound &= job.run().is_ok());
-    let all = SkinJob { tangents: black_box(attribute(6)), ..job };
+    let all = job.tangents(black_box(Some(tangents)));
     let stack = stack_of(&mut || sound &= all.run().is_ok());
     say!("normals skin_instructions {skinning}");
     say!("normals skin_stack {stack}");
@@ -118,7 +113,7 @@ fn clock() -> bool {
 
 fn model(name: &str, file: &[u8], memory: &mut Memory) -> Option<()> {
     let model = load(name, file)?;
-    let (envelope, skin) = (model.envelope()?, model.skin()?);
+    let (envelope, skin) = (model.first::<Envelope>()?, model.first::<Skin>()?);
     say!("{name} scratch {}", 4 * envelope.scratch_len());
     instructions(name, envelope, skin, memory)?;
     stacks(name, envelope, skin, memory)
@@ -172,23 +167,15 @@ fn stacks(name: &str, envelope: Envelope<'_>, skin: Skin<'_>, memory: &mut Memor
     let pose = cut(&mut memory.pose, envelope.joint_len());
     let palette = cut(&mut memory.palette, envelope.palette_len());
     let scratch = cut(&mut memory.scratch, envelope.scratch_len());
-    let lent = cells(cut(&mut memory.skin, 10 * skin.vertex_len()));
+    let vertices = cut(&mut memory.skin, 10 * skin.vertex_len());
     let mut sound = true;
     let posing = stack_of(&mut || sound &= model_space_pose(&envelope, local, pose).is_ok());
     let moving = stack_of(&mut || sound &= envelope.palette(pose, &[], scratch, palette).is_ok());
-    let attribute = |start: usize| Some(Output { floats: lent.get(start..)?, stride: 10 });
     let skinning = stack_of(&mut || {
-        let job = SkinJob {
-            skin,
-            palette,
-            vertices: 0..skin.vertex_len(),
-            remap: None,
-            rest: Rest::default(),
-            positions: black_box(attribute(0)),
-            normals: black_box(attribute(3)),
-            tangents: black_box(attribute(6)),
-        };
-        sound &= job.run().is_ok();
+        let attributes = Output::interleaved(vertices, 10, [0, 3, 6]);
+        let [positions, normals, tangents] = attributes.map(|own| black_box(Some(own)));
+        let job = SkinJob::new(skin, palette).positions(positions).normals(normals);
+        sound &= job.tangents(tangents).run().is_ok();
     });
     let bounds = stack_of(&mut || sound &= black_box(skin.bounds(palette, 0.0)).is_ok());
     say!("{name} pose_stack {posing}");

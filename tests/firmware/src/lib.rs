@@ -7,13 +7,15 @@
 #[cfg(not(any(target_os = "none", target_family = "wasm")))]
 extern crate std;
 
+#[cfg(feature = "internals")]
 #[path = "../../golden/bits.rs"]
 #[allow(dead_code, reason = "no image nudges its poses")]
 mod bits;
-#[cfg(all(target_os = "none", target_arch = "arm"))]
+#[cfg(all(target_os = "none", target_arch = "arm", feature = "internals"))]
 pub mod cost;
 pub mod frame;
 pub mod platform;
+#[cfg(feature = "internals")]
 pub mod report;
 
 /// Makes a function the content of an image; the function returns whether the image succeeded.
@@ -60,6 +62,7 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
 }
 
 /// The static memory of an image.
+#[cfg(feature = "internals")]
 mod memory {
     use crate::bits::Memory;
     use core::cell::UnsafeCell;

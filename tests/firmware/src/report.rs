@@ -12,7 +12,15 @@ use crate::bits::{Found, GOLDEN, Memory, POSES, STAGES, hashes};
 use crate::memory::take;
 use crate::platform::print;
 use crate::say;
-use sinew_runtime::Model;
+#[cfg(feature = "filter")]
+use sinew_runtime::Filter;
+#[cfg(feature = "kernel")]
+use sinew_runtime::KernelMap;
+#[cfg(feature = "prior")]
+use sinew_runtime::Prior;
+#[cfg(feature = "views")]
+use sinew_runtime::Views;
+use sinew_runtime::{Envelope, Model, Skin};
 
 /// Models that the trainer baked for this run, by name.
 ///
@@ -36,7 +44,8 @@ pub fn bits() -> bool {
     let baked = BAKED.map(|(name, file)| (name, file, BAKED_POSES));
     for (name, file, poses) in golden.chain(baked) {
         let model = Model::from_bytes(file).ok();
-        let views = model.as_ref().and_then(|model| model.envelope().zip(model.skin()));
+        let views =
+            model.as_ref().and_then(|model| model.first::<Envelope>().zip(model.first::<Skin>()));
         let Some((envelope, skin)) = views else {
             say!("{name}: not loaded");
             return false;
@@ -75,8 +84,8 @@ fn of_kernels(memory: &mut Memory) -> bool {
         say!("kernels: not loaded");
         return false;
     };
-    let mut sound = model.kernels().count() == kernels::BITS.len();
-    for (kernel, promised) in model.kernels().zip(kernels::BITS) {
+    let mut sound = model.all::<KernelMap>().count() == kernels::BITS.len();
+    for (kernel, promised) in model.all::<KernelMap>().zip(kernels::BITS) {
         match kernels::hash(&kernel, 0.0, &mut memory.scratch, &mut memory.skin) {
             Ok(bits) => {
                 say!("kernel {} {bits:016x}", kernel.name());
@@ -103,7 +112,8 @@ fn of_views(memory: &mut Memory) -> bool {
     let mut sound = true;
     for (file, promised) in views::VIEWS.into_iter().zip(views::BITS) {
         let model = views::load(file);
-        let Some((model, object)) = model.as_ref().and_then(|model| Some((model, model.views()?)))
+        let Some((model, object)) =
+            model.as_ref().and_then(|model| Some((model, model.first::<Views>()?)))
         else {
             say!("views: not loaded");
             return false;
@@ -132,7 +142,8 @@ fn of_views(_: &mut Memory) -> bool {
 #[cfg(feature = "prior")]
 fn of_pins() -> bool {
     let model = priors::load();
-    let Some((prior, skin)) = model.as_ref().and_then(|model| model.prior().zip(model.skin()))
+    let Some((prior, skin)) =
+        model.as_ref().and_then(|model| model.first::<Prior>().zip(model.first::<Skin>()))
     else {
         say!("pins: not loaded");
         return false;
@@ -159,7 +170,7 @@ fn of_pins() -> bool {
 #[cfg(feature = "filter")]
 fn of_filter(memory: &mut Memory) -> bool {
     let model = filters::load();
-    let Some(filter) = model.as_ref().and_then(|model| model.filter()) else {
+    let Some(filter) = model.as_ref().and_then(|model| model.first::<Filter>()) else {
         say!("filter: not loaded");
         return false;
     };

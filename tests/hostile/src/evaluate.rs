@@ -5,9 +5,13 @@ use crate::parts::{
 };
 use crate::poses::{curves, pose};
 use crate::views::{evaluate_views, read_views};
+use models::{Rest, cells};
 use sinew_runtime::envelope::{Key, Predictor, ScratchLayout};
-use sinew_runtime::skin::{Bounds, Output, Rest, cells};
-use sinew_runtime::{CallError, Envelope, Limits, Matrix3x4, Model, ShapesJob, Skin, SkinJob};
+use sinew_runtime::skin::{Bounds, Output};
+use sinew_runtime::{
+    CallError, Envelope, Filter, KernelMap, Limits, Matrix3x4, Model, Prior, Record, ShapesJob,
+    Skin, SkinJob, Views,
+};
 use std::ops::Range;
 
 /// Reads every accessor of a model.
@@ -18,27 +22,27 @@ use std::ops::Range;
 /// counts or over bytes of the file.
 pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
     assert!(model.sections().all(|section| section.bytes.len() == section.row.bytes as usize));
-    let followed: Vec<_> = model.skins().filter_map(|skin| skin.envelope_part()).collect();
-    for envelope in model.envelopes() {
+    let followed: Vec<_> = model.all::<Skin>().filter_map(|skin| skin.envelope_part()).collect();
+    for envelope in model.all::<Envelope>() {
         read_envelope(&envelope, model.as_bytes(), followed.contains(&envelope.part()));
     }
-    for skin in model.skins() {
+    for skin in model.all::<Skin>() {
         let envelope = model.envelope_of(&skin);
         assert_eq!(envelope.map(|envelope| envelope.part()), skin.envelope_part());
         let palette_len = envelope.map_or(0, |envelope| envelope.palette_len());
         assert_eq!(skin.palette_len(), palette_len);
         read_skin(&skin, model.as_bytes());
     }
-    model.kernels().for_each(|map| read_kernel(&map, model.as_bytes()));
-    for prior in model.priors() {
+    model.all::<KernelMap>().for_each(|map| read_kernel(&map, model.as_bytes()));
+    for prior in model.all::<Prior>() {
         let skin = model.skin_of(&prior).map(|skin| skin.shape_len());
         assert_eq!(skin, Some(prior.shape_len()));
         read_prior(&prior, model.as_bytes());
     }
-    model.all_views().for_each(|views| read_views(model, &views));
-    model.filters().for_each(|filter| read_filter(&filter, model.as_bytes()));
-    for record in model.records() {
-        let record = record.layout().open(model.as_bytes()).expect("its own file");
+    model.all::<Views>().for_each(|views| read_views(model, &views));
+    model.all::<Filter>().for_each(|filter| read_filter(&filter, model.as_bytes()));
+    for record in model.all::<Record>() {
+        let record = record.layout().open::<Record>(model.as_bytes()).expect("its own file");
         assert_eq!(record.frame_marks().len(), record.counts().frame_len as usize);
         for vertex in 0..record.counts().vertex_len as usize {
             let joints = record.lbs_influences(vertex).into_iter().flatten();
@@ -46,7 +50,7 @@ pub fn read<B: AsRef<[u8]>>(model: &Model<B>) {
         }
     }
     let part = |envelope: Envelope<'_>| envelope.part();
-    assert_eq!(model.envelope().map(part), model.envelopes().next().map(part));
+    assert_eq!(model.first::<Envelope>().map(part), model.all::<Envelope>().next().map(part));
 }
 
 const IDENTITY: Matrix3x4 = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
@@ -91,7 +95,7 @@ fn read_envelope(envelope: &Envelope<'_>, file: &[u8], is_followed: bool) {
         let inputs = (0..group.input_len()).map(|i| group.input(i));
         assert!(inputs.flatten().all(|(feature, _)| feature < feature_len));
     }
-    let opened = envelope.layout().open(file);
+    let opened = envelope.layout().open::<Envelope>(file);
     assert!(opened.is_some_and(|opened| opened.counts() == envelope.counts()));
 }
 
@@ -115,7 +119,7 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
     assert_eq!(ranges.len(), skin.counts().range_len as usize);
     assert!(ranges.iter().all(|range| range.start <= range.end && range.end <= v));
     assert!(ranges.windows(2).all(|pair| pair[0].end <= pair[1].start));
-    let opened = skin.layout().open(file);
+    let opened = skin.layout().open::<Skin>(file);
     assert!(opened.is_some_and(|opened| opened.counts() == skin.counts()));
 }
 
@@ -127,26 +131,28 @@ fn read_skin(skin: &Skin<'_>, file: &[u8]) {
 /// If a call is refused, a result is not finite, a confidence is outside 0 to 1, or a vertex is
 /// outside its bounds.
 pub fn evaluate<B: AsRef<[u8]>>(model: &Model<B>, numbers: Range<usize>) {
-    for envelope in model.envelopes() {
+    for envelope in model.all::<Envelope>() {
         for number in numbers.clone() {
             let (pose, curves) = (pose(&envelope, number), curves(&envelope, number));
             evaluate_pose(model, &envelope, number, &pose, &curves);
         }
     }
-    for skin in model.skins().filter(|skin| skin.envelope_part().is_none()) {
+    for skin in model.all::<Skin>().filter(|skin| skin.envelope_part().is_none()) {
         evaluate_skin(&skin, &[], "at rest");
     }
-    for (prior, skin) in model.priors().filter_map(|prior| Some((prior, model.skin_of(&prior)?))) {
+    for (prior, skin) in
+        model.all::<Prior>().filter_map(|prior| Some((prior, model.skin_of(&prior)?)))
+    {
         let palette = vec![IDENTITY; skin.palette_len()];
         numbers.clone().for_each(|number| evaluate_prior(&prior, &skin, &palette, number));
     }
-    for map in model.kernels() {
+    for map in model.all::<KernelMap>() {
         numbers.clone().for_each(|number| evaluate_kernel(&map, number));
     }
-    for filter in model.filters() {
+    for filter in model.all::<Filter>() {
         numbers.clone().for_each(|number| evaluate_filter(&filter, number));
     }
-    for views in model.all_views() {
+    for views in model.all::<Views>() {
         numbers.clone().for_each(|number| evaluate_views(model, &views, number));
     }
 }
@@ -174,7 +180,7 @@ pub fn evaluate_pose<B: AsRef<[u8]>>(
         Err(error) => panic!("{named}: {error}"),
     }
     check(&named, "palette", palette.as_flattened().as_flattened());
-    for skin in model.skins().filter(|skin| skin.envelope_part() == Some(envelope.part())) {
+    for skin in model.all::<Skin>().filter(|skin| skin.envelope_part() == Some(envelope.part())) {
         evaluate_skin(&skin, &palette, &named);
     }
 }
@@ -220,16 +226,12 @@ fn skinned(skin: &Skin<'_>, palette: &[Matrix3x4], weights: &[f32]) -> Result<Sk
     let mut tangents = vec![[f32::NAN; 4]; if skin.has_tangents() { v } else { 0 }];
     let mut rest = Rest::default();
     if !weights.is_empty() {
-        let to = |floats, stride| Some(Output { floats: cells(floats), stride });
-        ShapesJob {
-            skin: *skin,
-            weights,
-            vertices: 0..v,
-            positions: to(positions.as_flattened_mut(), 3),
-            normals: to(normals.as_flattened_mut(), 3),
-            tangents: to(tangents.as_flattened_mut(), 4).filter(|_| skin.has_tangents()),
-        }
-        .run()?;
+        let to = |floats, stride| Some(Output::new(floats, stride));
+        ShapesJob::new(*skin, weights)
+            .positions(to(positions.as_flattened_mut(), 3))
+            .normals(to(normals.as_flattened_mut(), 3))
+            .tangents(to(tangents.as_flattened_mut(), 4).filter(|_| skin.has_tangents()))
+            .run()?;
         let all = [positions.as_flattened(), normals.as_flattened(), tangents.as_flattened()];
         all.into_iter().for_each(|floats| check("at rest", "shaped vertex", floats));
         rest.positions = Some(&positions);
@@ -240,19 +242,13 @@ fn skinned(skin: &Skin<'_>, palette: &[Matrix3x4], weights: &[f32]) -> Result<Sk
     let lent = cells(&mut out);
     let attribute = |start: usize| {
         let floats = lent.get(start..).unwrap_or_default();
-        Some(Output { floats, stride })
+        Some(Output::shared(floats, stride))
     };
-    SkinJob {
-        skin: *skin,
-        palette,
-        vertices: 0..skin.vertex_len(),
-        remap: None,
-        rest,
-        positions: attribute(0),
-        normals: attribute(3),
-        tangents: attribute(6).filter(|_| skin.has_tangents()),
-    }
-    .run()?;
+    rest.of(SkinJob::new(*skin, palette))
+        .positions(attribute(0))
+        .normals(attribute(3))
+        .tangents(attribute(6).filter(|_| skin.has_tangents()))
+        .run()?;
     let bounds = match weights {
         [] => skin.bounds(palette, 0.0)?,
         _ => skin.shaped_bounds(palette, weights)?,

@@ -39,7 +39,7 @@ pub(crate) fn read_kernel(map: &KernelMap<'_>, file: &[u8]) {
     let (features, values) = (counts.feature_len as usize, counts.value_len as usize);
     assert_eq!(map.inputs().map(|input| input.kind.feature_len()).sum::<usize>(), features);
     assert_eq!(map.outputs().map(|output| output.kind.value_len()).sum::<usize>(), values);
-    let opened = map.layout().open(file);
+    let opened = map.layout().open::<KernelMap>(file);
     assert!(opened.is_some_and(|opened| opened.counts() == counts));
 }
 
@@ -113,7 +113,7 @@ pub(crate) fn read_prior(prior: &Prior<'_>, file: &[u8]) {
     assert!((0..n).all(|s| prior.factor_entry(s, s).is_some_and(|x| x > 0.0)));
     assert!(prior.symmetry().all(|([a, b], _)| a < n && b < n && a != b));
     assert!(prior.cancel_pairs().all(|[a, b]| a < n && b < n && a != b));
-    let opened = prior.layout().open(file);
+    let opened = prior.layout().open::<Prior>(file);
     assert!(opened.is_some_and(|opened| opened.counts() == counts));
 }
 
@@ -192,7 +192,7 @@ pub(crate) fn read_filter(filter: &Filter<'_>, file: &[u8]) {
         let (start, _) = filter.window(sample, sample_len);
         assert!(start <= sample_len - n);
     }
-    let opened = filter.layout().open(file);
+    let opened = filter.layout().open::<Filter>(file);
     assert!(opened.is_some_and(|opened| opened.counts() == filter.counts()));
 }
 

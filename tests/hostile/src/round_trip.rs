@@ -34,12 +34,12 @@ pub fn round_trip(data: &[u8]) -> std::result::Result<(), sinew_trainer::Error> 
     let model = Model::from_bytes(parts.bake()?)?;
     read(&model);
     assert_eq!(model.space(), parts.space);
-    let counts = (model.envelopes().count(), model.skins().count());
+    let counts = (model.all::<Envelope>().count(), model.all::<Skin>().count());
     assert_eq!(counts, (parts.envelopes.len(), parts.skins.len()));
-    for (parts, envelope) in parts.envelopes.iter().zip(model.envelopes()) {
+    for (parts, envelope) in parts.envelopes.iter().zip(model.all::<Envelope>()) {
         compare(parts, &envelope);
     }
-    for (parts, skin) in parts.skins.iter().zip(model.skins()) {
+    for (parts, skin) in parts.skins.iter().zip(model.all::<Skin>()) {
         assert_eq!(skin.envelope_part(), parts.envelope);
         compare_skin(parts, &skin);
     }

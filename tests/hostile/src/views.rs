@@ -60,7 +60,7 @@ pub(crate) fn read_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>) {
             model.map_of(views, map).is_some_and(|map| map.result_len() == counts.result_len())
         );
     }
-    let opened = views.layout().open(file);
+    let opened = views.layout().open::<Views>(file);
     assert!(opened.is_some_and(|opened| opened.counts() == counts));
 }
 
@@ -133,14 +133,14 @@ pub(crate) fn evaluate_views<B: AsRef<[u8]>>(model: &Model<B>, views: &Views<'_>
         let (mut points, mut visibility) = (vec![[f32::NAN; 3]; k], vec![f32::NAN; k]);
         let (mut scores, mut layers) = (vec![f32::NAN; n], vec![[f32::NAN; 2]; l]);
         let job = FrameJob { views: *views, map, parameters: &query(&map, number) };
-        let out = Frame {
+        let mut out = Frame {
             points: &mut points,
             visibility: &mut visibility,
             scores: &mut scores,
             layers: &mut layers,
         };
         let mut scratch = vec![f32::NAN; counts.frame_scratch_len(&map.counts())];
-        let found = job.run(&mut scratch, out);
+        let found = job.run(&mut scratch, &mut out);
         let all = points.as_flattened().iter().chain(&visibility).chain(&scores);
         let mut all = all.chain(layers.as_flattened()).copied();
         let found = match found {

@@ -10,6 +10,7 @@ mod bytes;
 mod filters;
 mod golden;
 mod groups;
+mod jobs;
 mod kernels;
 mod message;
 mod pieces;
@@ -32,6 +33,7 @@ pub use golden::{
     GOLDEN, GOLDEN_NAMES, GOLDEN_STRETCH, GOLDEN_STRETCH_NAMES, TURNED, TURNED_NAMES, golden_path,
 };
 pub use groups::{GroupContent, sample_groups};
+pub use jobs::{Rest, cells};
 pub use kernels::{KernelContent, VarianceContent};
 pub use message::{Message, head, seal};
 pub use pieces::{Content, Pieces};

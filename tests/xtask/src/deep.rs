@@ -20,7 +20,7 @@ pub(crate) fn deep(seconds: Option<&str>) -> Result<(), String> {
     let seconds = seconds.map_err(|_| "expected the seconds of a fuzz target".to_owned())?;
     prepare()?;
     run(&mut nightly("miri test -p sinew-runtime --locked"))?;
-    run(&mut nightly("miri test -p sinew-capi --test calls --locked"))?;
+    run(&mut nightly("miri test -p calls --locked"))?;
     cargo("run --release --locked -p hostile --bin mutants", &[])?;
     for target in targets()? {
         fuzz(&target, seconds)?;

@@ -8,6 +8,7 @@ mod firmware;
 mod lines;
 mod modules;
 mod prepare;
+mod release;
 mod vulkan;
 
 use call::{TARGETS, cargo, cargo_with, run};
@@ -21,8 +22,8 @@ usage: cargo xtask COMMAND
   test         what every change needs: prepare the machine; check imports, format and lints; build for
                bare targets; run the tests of runtime, C calls, trainer, command line and one software
                GPU; tests on real data read ../shared/data and must find it when CI is set
-  test --full  also documentation, C and C++ programs, pages, browsers, Blender, USD, validators, firmware
-               and every device
+  test --full  also documentation, C and C++ programs, pages, browsers, Blender, USD, validators, firmware,
+               every device, and whether dependencies and packages are fit for a release
   imports      look for files that import each other, in a circle
   lines        count the lines of code of each crate
   shaders      make the SPIR-V in shaders/spirv from the GLSL
@@ -34,6 +35,7 @@ usage: cargo xtask COMMAND
   firmware     run the same poses on bare targets in QEMU, in Node and here, and compare their bits;
                check that no allocator and no panic is linked; hold sizes, stack and instructions to
                tests/firmware/budget.txt
+  dist         build the program `sinew` and the C library, and pack both into target/dist
   deep [SECONDS]
                run the runtime's tests and the C ABI's calls under Miri, a million mutated files, and
                every fuzz target for SECONDS (300); needs nightly
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
         ["lines"] => lines::print(),
         ["header"] => capi::header(),
         ["firmware"] => firmware::firmware(),
+        ["dist"] => release::dist(),
         ["shaders"] => cargo("run --locked -p shaders --features compile", &[]),
         ["conformance", ref own @ ..] => conformance("conformance", own),
         ["vectors", ref own @ ..] => conformance("vectors", own),
@@ -83,6 +86,13 @@ fn test() -> Result<(), String> {
         // One package at a time: otherwise its features would unify with those of crates that need std.
         cargo(&format!("build -p sinew-runtime --locked --target {target}"), &[])?;
     }
+    // Features are additive: none, all parts without internals, and all.
+    for features in
+        ["--no-default-features", "--features filter,prior,raster,record", "--all-features"]
+    {
+        let target = TARGETS[0];
+        cargo(&format!("check -p sinew-runtime --locked --target {target} {features}"), &[])?;
+    }
     // `devices` takes every device; the tests of sinew-gpu take one.
     cargo(&format!("test --workspace {FULL} --locked -- --skip devices::"), &[])
 }
@@ -111,6 +121,7 @@ fn full() -> Result<(), String> {
             let devices = format!("test --workspace --locked {targets} -- devices:: vulkan::");
             cargo(&devices, &environment)
         })
+        .and_then(|()| release::check())
         .and_then(|()| {
             cargo("doc --workspace --no-deps --locked", &[("RUSTDOCFLAGS", "-D warnings".into())])
         });

@@ -10,7 +10,7 @@ use crate::examples::{
 };
 use anyhow::{Context, bail};
 use serde_json::{Value, json};
-use sinew_runtime::Model;
+use sinew_runtime::{Model, Skin};
 use std::path::{Path, PathBuf};
 
 /// Example poses to read.
@@ -192,7 +192,8 @@ pub(super) fn convert_to_model(examples: &mut Examples, model: &[u8], skin: Opti
     let Ok(model) = Model::from_bytes(model) else { return };
     examples.convert_to(&model.space());
     examples.space.unit = examples.space.unit.or(model.space().unit);
-    if let Some(skin) = skin.map_or_else(|| model.skin(), |name| model.skin_named(name)) {
+    if let Some(skin) = skin.map_or_else(|| model.first::<Skin>(), |name| model.named::<Skin>(name))
+    {
         examples.unsplit_for(skin.vertex_len());
     }
 }

@@ -29,15 +29,18 @@ impl Run for Inspect {
         let model = self.model.load()?;
         let (space, len) = (model.space(), model.as_bytes().len());
         let unit_mm = millimetres(&space);
-        let records = model.records().map(|record| of_record(&record));
+        let records = model.all::<Record>().map(|record| of_record(&record));
         let lists: [(&str, Vec<Report>); 7] = [
-            ("envelopes", model.envelopes().map(|part| of_envelope(&part, unit_mm)).collect()),
-            ("skins", model.skins().map(|part| of_skin(&model, &part)).collect()),
+            (
+                "envelopes",
+                model.all::<Envelope>().map(|part| of_envelope(&part, unit_mm)).collect(),
+            ),
+            ("skins", model.all::<Skin>().map(|part| of_skin(&model, &part)).collect()),
             ("records", records.collect()),
-            ("kernels", model.kernels().map(|part| of_kernel(&part)).collect()),
-            ("priors", model.priors().map(|part| of_prior(&part)).collect()),
-            ("views", model.all_views().map(|part| of_views(&part)).collect()),
-            ("filters", model.filters().map(|part| of_filter(&part)).collect()),
+            ("kernels", model.all::<KernelMap>().map(|part| of_kernel(&part)).collect()),
+            ("priors", model.all::<Prior>().map(|part| of_prior(&part)).collect()),
+            ("views", model.all::<Views>().map(|part| of_views(&part)).collect()),
+            ("filters", model.all::<Filter>().map(|part| of_filter(&part)).collect()),
         ];
         let kind = |row: PartRow| PartKind::from_number(row.kind).map(PartKind::name);
         let kinds: Vec<_> = model.parts().map(|row| json!({ "kind": kind(row) })).collect();

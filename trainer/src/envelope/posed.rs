@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::examples::{self, Examples};
-use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{Envelope, Matrix3x4, Skin, SkinJob};
 
 /// Lists the rest positions of a skin, V.
@@ -94,17 +94,10 @@ pub fn skin_on(
     frame: usize,
 ) -> Result<[Vec<f32>; 2], Error> {
     let [mut positions, mut normals] = [0, 1].map(|_| vec![0.0; 3 * skin.vertex_len()]);
-    SkinJob {
-        skin: *skin,
-        palette,
-        vertices: 0..skin.vertex_len(),
-        remap: None,
-        rest: Rest::default(),
-        positions: Some(Output { floats: cells(&mut positions), stride: 3 }),
-        normals: Some(Output { floats: cells(&mut normals), stride: 3 }),
-        tangents: None,
-    }
-    .run()
-    .map_err(|error| Error::from(error).in_frame(frame))?;
+    SkinJob::new(*skin, palette)
+        .positions(Output::new(&mut positions, 3))
+        .normals(Output::new(&mut normals, 3))
+        .run()
+        .map_err(|error| Error::from(error).in_frame(frame))?;
     Ok([positions, normals])
 }

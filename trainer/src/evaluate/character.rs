@@ -39,17 +39,17 @@ impl<'a> Character<'a> {
         let loaded = Model::from_bytes(model)
             .map_err(|error| Error::from(error).within("the model is refused"))?;
         let found = match skin {
-            None => loaded.skin(),
-            Some(name) => loaded.skin_named(name),
+            None => loaded.first::<Skin>(),
+            Some(name) => loaded.named::<Skin>(name),
         };
         let Some(found) = found else {
-            let has: Vec<&str> = loaded.skins().map(|skin| skin.name()).collect();
+            let has: Vec<&str> = loaded.all::<Skin>().map(|skin| skin.name()).collect();
             return Err(match (skin, has.is_empty()) {
                 (Some(name), false) => Error::missing(format!(
                     "the model holds no skin called {name}; it has: {}",
                     has.join(", ")
                 )),
-                _ if loaded.envelope().is_some() => Error::missing(
+                _ if loaded.first::<Envelope>().is_some() => Error::missing(
                     "the model holds a palette alone, without a skin to measure or to play: train one without \
                      --no-skin for that",
                 ),
@@ -223,7 +223,8 @@ impl TrainingRecord {
     /// Reads the record of a character's envelope; empty if the model holds no record.
     pub fn of(model: &[u8], character: &Character<'_>, examples: &Examples) -> Self {
         let Ok(loaded) = Model::from_bytes(model) else { return Self::default() };
-        let Some(record) = loaded.record_of(&character.envelope) else { return Self::default() };
+        let record = loaded.named::<Record>(character.envelope.name());
+        let Some(record) = record else { return Self::default() };
         let marks: Vec<_> = record.frame_marks().collect();
         let has_read = |frame| {
             let own = examples.mark(frame);

@@ -3,7 +3,7 @@
 use super::basis::diagonal;
 use crate::Error;
 use sinew_runtime::prior::{Edit, Pin, PinJob, Pins, Prior};
-use sinew_runtime::skin::{Output, ShapesJob, cells};
+use sinew_runtime::skin::{Output, ShapesJob};
 use sinew_runtime::{CallError, Model, Skin};
 
 /// Most pins in one command.
@@ -40,7 +40,7 @@ impl<'a> BakedFace<'a> {
                 "has no face: no prior over the shapes of a skin; `sinew face train` makes one",
             )
         };
-        let prior = model.prior().ok_or_else(missing)?;
+        let prior = model.first::<Prior>().ok_or_else(missing)?;
         let skin = model.skin_of(&prior).ok_or_else(missing)?;
         Ok(Self { skin, prior })
     }
@@ -80,16 +80,12 @@ impl<'a> BakedFace<'a> {
     pub fn shaped(&self, weights: &[f32]) -> Result<Shaped, CallError> {
         let len = self.skin.vertex_len();
         let (mut positions, mut normals) = (vec![[0.0_f32; 3]; len], vec![[0.0_f32; 3]; len]);
-        let output = |floats| Some(Output { floats: cells(floats), stride: 3 });
-        ShapesJob {
-            skin: self.skin,
-            weights,
-            vertices: 0..len,
-            positions: output(positions.as_flattened_mut()),
-            normals: output(normals.as_flattened_mut()),
-            tangents: None,
-        }
-        .run()?;
+        let output = |floats| Some(Output::new(floats, 3));
+        ShapesJob::new(self.skin, weights)
+            .vertices(0..len)
+            .positions(output(positions.as_flattened_mut()))
+            .normals(output(normals.as_flattened_mut()))
+            .run()?;
         let wide = |all: Vec<[f32; 3]>| all.into_iter().map(|v| v.map(f64::from)).collect();
         Ok(Shaped { positions: wide(positions), normals: wide(normals) })
     }

@@ -13,9 +13,9 @@ use crate::regression::confidence::Fade;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{Kernel, Normalise, QueryRule};
+use sinew_runtime::{KernelMap, Model};
 use std::ops::Range;
 
 /// Default limit of a baked function's deviation, over the value's range.
@@ -94,7 +94,7 @@ impl Probe {
             return f64::INFINITY;
         };
         let of = |query: &Query| {
-            let Some(map) = file.kernel() else { return f64::INFINITY };
+            let Some(map) = file.first::<KernelMap>() else { return f64::INFINITY };
             let mut found = vec![0.0; map.result_len()];
             let mut scratch = vec![0.0; map.counts().scratch_len()];
             if map.evaluate(&query.numbers, &mut scratch, &mut found).is_err() {

@@ -53,7 +53,7 @@ impl<'a> Player<'a> {
     /// # Errors
     /// [`ErrorKind::Missing`](crate::ErrorKind::Missing): the file has no object, or no map of this name.
     pub fn new(model: &'a Model<Vec<u8>>, map: Option<&str>) -> Result<Self, Error> {
-        let views = model.views().ok_or_else(|| Error::missing("it has no views"))?;
+        let views = model.first::<Views>().ok_or_else(|| Error::missing("it has no views"))?;
         let maps = (0..).map_while(|number| model.map_of(&views, number));
         let names: Vec<&str> = maps.clone().map(|map| map.name()).collect();
         let found = maps.clone().find(|own| map.is_none_or(|name| own.name() == name));
@@ -131,13 +131,13 @@ impl<'a> Player<'a> {
         };
         let len = self.views.counts().frame_scratch_len(&self.map.counts());
         let job = FrameJob { views: self.views, map: self.map, parameters: &parameters };
-        let frame = Frame {
+        let mut frame = Frame {
             points: &mut out.points,
             visibility: &mut out.visibility,
             scores: &mut out.scores,
             layers: &mut out.layers,
         };
-        let found = job.run(&mut vec![0.0; len], frame)?;
+        let found = job.run(&mut vec![0.0; len], &mut frame)?;
         (out.view, out.confidence) = (found.view, found.confidence);
         Ok(out)
     }

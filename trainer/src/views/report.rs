@@ -10,8 +10,8 @@ use crate::page::colour::Colour;
 use crate::page::drawing::{Anchor, Drawing};
 use crate::page::html::{figure, page, paragraph, section, side_by_side, table, text};
 use crate::page::picture::Picture;
-use sinew_runtime::Model;
 use sinew_runtime::views::{Element, Layer};
+use sinew_runtime::{Model, Views};
 
 /// Columns and rows of a sheet.
 const STEPS: [usize; 2] = [7, 5];
@@ -36,7 +36,7 @@ pub fn report(
     set: &ViewSet,
     prototype: Option<&Model<Vec<u8>>>,
 ) -> Result<String, Error> {
-    let is_lent = model.views().is_some_and(|views| views.is_transferred());
+    let is_lent = model.first::<Views>().is_some_and(|views| views.is_transferred());
     let mut body = format!("<h1>{}</h1>\n", text(&set.name));
     if set.layers.len() > 1 {
         body += &section("Layers", &layers(model, set));
@@ -189,7 +189,7 @@ fn made_of(player: &Player<'_>, examples: &Examples) -> Result<String, Error> {
 
 /// Makes a table of the layers: points, elements, key views with a picture, and the clipping layer.
 fn layers(model: &Model<Vec<u8>>, set: &ViewSet) -> String {
-    let Some(views) = model.views() else { return String::new() };
+    let Some(views) = model.first::<Views>() else { return String::new() };
     let keys = views.view_len();
     let row = |(number, layer): (usize, Layer)| {
         let shown = (0..keys).filter(|&key| views.view_texture(key, number).is_some()).count();

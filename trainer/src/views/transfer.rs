@@ -30,7 +30,7 @@ pub fn transfer(
     views: &[(String, View)],
     by_size: bool,
 ) -> Result<ViewsModel, Error> {
-    let object = model.views().ok_or_else(|| Error::missing("it has no views"))?;
+    let object = model.first::<Views>().ok_or_else(|| Error::missing("it has no views"))?;
     if object.is_transferred() {
         return Err(Error::unsupported("its motion is lent itself: take its prototype"));
     }

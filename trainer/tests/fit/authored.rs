@@ -1,8 +1,8 @@
 //! Real files with seams: authored attributes arrive in the model's file and in an exported file.
 
 use models::shared;
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Model, Skin};
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Examples, Loaded, Source, load};
@@ -73,7 +73,7 @@ fn a_leg_s_scenes_with_its_arrays_train_with_their_seams() {
         }
         let bytes = model(&examples);
         let model = Model::from_bytes(&bytes[..]).unwrap();
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         assert!(skin.vertex_len() == 4164 && skin.has_tangents());
         if name == "leg.glb" {
             // The file's vertices in its order, in the arrays' axes.

@@ -3,9 +3,9 @@
 
 use faer::Mat;
 use nalgebra::{Matrix3x4, Matrix4, Rotation3, Unit, Vector3};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Space;
+use sinew_runtime::{Model, Skin};
 use sinew_trainer::envelope::model::{Shapes, SkinModel};
 use sinew_trainer::envelope::normals::{Fan, PosedSurface};
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -265,7 +265,7 @@ fn painted_weights_stay_on_a_hinge_that_positions_do_not_determine() {
     let options = Options { predictor: Predict::Only(Predictor::Kernel), ..Options::default() };
     let model = train(&examples, &options, &Silent).unwrap().model;
     let skin = Model::from_bytes(&model).unwrap();
-    let skin = SkinModel::from_file(&skin.skin().unwrap());
+    let skin = SkinModel::from_file(&skin.first::<Skin>().unwrap());
     for vertex in [2, 3] {
         let mut weights = [0.0; 3];
         skin.influences[vertex].iter().for_each(|&(joint, weight)| weights[joint] += weight);

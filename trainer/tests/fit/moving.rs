@@ -3,8 +3,8 @@
 //! A bound is a promise with 5 to 10 % of room, as in `real_sets.rs`.
 
 use models::shared;
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, Trained, train};
 use sinew_trainer::evaluate::{Errors, Frames, evaluate};
@@ -46,7 +46,7 @@ fn a_rig_whose_joints_stretch_is_learned_by_every_predictor() {
         let (model, found) = held_out(&examples, &options);
         assert!(found <= most, "{found}");
         let model = Model::from_bytes(model).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let ranges = |joint| envelope.stretch_range(joint).unwrap();
         assert!(envelope.stretches() && ranges(0) == 0.0 && ranges(1) > 0.01);
     }
@@ -70,7 +70,7 @@ fn curves_and_their_products_with_joints_are_learned() {
     let (model, with) = held_out(&examples, &Options::default());
     assert!(with <= 0.042, "{with}");
     let model = Model::from_bytes(model).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let names: Vec<_> = (0..envelope.curve_len()).filter_map(|c| envelope.curve_name(c)).collect();
     assert_eq!(names, examples.curve_names);
     // belly goes both ways, the others from 0 to 1.
@@ -115,7 +115,7 @@ fn a_face_needs_no_joint() {
     let (model, found) = held_out(&jointless, &helpers(40, 8));
     assert!((found / joint.1 - 1.0).abs() < 1e-3, "{found} without joints, {} with one", joint.1);
     let model = Model::from_bytes(model).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     assert_eq!((envelope.joint_len(), envelope.curve_len()), (0, 52));
     assert_eq!(envelope.palette_len(), 41, "40 helpers, and one that is still");
     let mut palette = vec![Default::default(); envelope.palette_len()];

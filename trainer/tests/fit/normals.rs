@@ -3,9 +3,9 @@
 
 use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4, Rotation3, Vector3};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Space;
+use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, Shapes, SkinModel};
 use sinew_trainer::envelope::normals::{Fan, PosedSurface};
@@ -206,7 +206,7 @@ fn units_divide_coefficients_and_a_mirror_turns_h_around() {
     assert!(moved.convert_to(&Space::UNREAL).unwrap().is_mirrored());
     let [own, other] = [examples, moved].map(|examples| {
         let model = train(&examples, &options(Predictor::Kernel), &Silent).unwrap().model;
-        SkinModel::from_file(&Model::from_bytes(&model).unwrap().skin().unwrap())
+        SkinModel::from_file(&Model::from_bytes(&model).unwrap().first::<Skin>().unwrap())
     });
     let (mut compared, mut largest) = (0, 0.0_f64);
     for vertex in 0..own.rest_positions.len() {
@@ -237,7 +237,8 @@ fn the_file_states_the_errors_of_its_normals() {
     let examples = arm(400);
     for predictor in Predictor::ALL {
         let model = train(&examples, &options(predictor), &Silent).unwrap().model;
-        let says = Model::from_bytes(&model).unwrap().skin().unwrap().normal_errors().unwrap();
+        let says =
+            Model::from_bytes(&model).unwrap().first::<Skin>().unwrap().normal_errors().unwrap();
         let found = evaluate(&model, None, &examples, Frames::Of(Split::Train)).unwrap();
         for (says, found) in [
             (says.model, found.errors.normal_rms_degrees),
@@ -254,7 +255,7 @@ fn proxies_in_another_order_predict_the_same_bits() {
     let examples = arm(300);
     let model = train(&examples, &options(Predictor::Rotational), &Silent).unwrap().model;
     let model = Model::from_bytes(&model).unwrap();
-    let envelope = EnvelopeModel::from_file(&model.envelope().unwrap());
+    let envelope = EnvelopeModel::from_file(&model.first::<Envelope>().unwrap());
     for first in 0..envelope.proxy_len() {
         let order = envelope.order_from(first);
         assert_eq!(order[0], first);
@@ -282,9 +283,9 @@ fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_furthe
         let options = Options { meshes, ..options(predictor) };
         let model = train(&examples, &options, &Silent).unwrap().model;
         let loaded = Model::from_bytes(&model).unwrap();
-        assert!(loaded.skins().all(|skin| skin.has_coefficients()));
+        assert!(loaded.all::<Skin>().all(|skin| skin.has_coefficients()));
         // A further mesh has no true mesh to measure against.
-        assert!(loaded.skin_named("lod1").unwrap().normal_errors().is_none());
+        assert!(loaded.named::<Skin>("lod1").unwrap().normal_errors().is_none());
         for (name, examples) in [("skin", &examples), ("lod1", &coarse)] {
             let plain = without_coefficients(&model, name);
             let of = |model: &[u8], name| {
@@ -308,14 +309,14 @@ fn normals_are_nearer_the_truth_than_by_cofactors_for_every_predictor_and_furthe
 /// Returns the file without a skin's tangent coefficients.
 fn without_coefficients(model: &[u8], skin: &str) -> Vec<u8> {
     let loaded = Model::from_bytes(model).unwrap();
-    let skins = loaded.skins().map(|s| SkinModel::from_file(&s));
+    let skins = loaded.all::<Skin>().map(|s| SkinModel::from_file(&s));
     let skins = skins.map(|s| {
         let plain = s.name == skin;
         SkinModel { tangent_coefficients: s.tangent_coefficients.filter(|_| !plain), ..s }
     });
     let model = FileModel {
         space: loaded.space(),
-        envelopes: loaded.envelopes().map(|e| EnvelopeModel::from_file(&e)).collect(),
+        envelopes: loaded.all::<Envelope>().map(|e| EnvelopeModel::from_file(&e)).collect(),
         skins: skins.collect(),
         ..FileModel::default()
     };

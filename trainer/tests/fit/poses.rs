@@ -97,7 +97,7 @@ fn named(
 fn poses_of_a_body_are_accepted_and_mistakes_named() {
     let Some((examples, file)) = set("mpfb-body/mpfb_body.npz") else { return };
     let model = Model::from_bytes(file).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let poses = poses(&examples);
     assert_eq!(poses.len(), 220);
     for pose in &poses {
@@ -180,7 +180,7 @@ fn after(a: &Matrix3x4, b: &Matrix3x4) -> Matrix3x4 {
 fn joints_that_part_are_accepted_within_their_trained_range() {
     let Some((examples, file)) = set("dem-bones/bone.npz") else { return };
     let model = Model::from_bytes(file).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let poses = poses(&examples);
     assert_eq!(poses.len(), 400);
     let gaps: Vec<_> = (0..envelope.joint_len()).map(|j| envelope.pose_gap(j).unwrap()).collect();

@@ -2,7 +2,7 @@
 
 use crate::fit::full::Full;
 use nalgebra::Matrix3x4 as Transform;
-use sinew_runtime::{Matrix3x4, Model};
+use sinew_runtime::{Envelope, Matrix3x4, Model};
 use sinew_trainer::envelope::model::EnvelopeModel;
 use sinew_trainer::envelope::oracle::Pose;
 use sinew_trainer::envelope::s3::ProxyCount;
@@ -32,7 +32,7 @@ fn a_published_fit_is_near_and_not_exact_at_rest_and_its_file_is_the_oracle() {
     assert!(report.near_rigid_deviation < 1e-12, "F stays on LBS: {report:?}");
 
     let file = Model::from_bytes(&trained.model).unwrap();
-    let envelope = file.envelope().unwrap();
+    let envelope = file.first::<Envelope>().unwrap();
     let oracle = EnvelopeModel::from_file(&envelope);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];

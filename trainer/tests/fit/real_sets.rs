@@ -5,8 +5,8 @@
 //! figure gets much better.
 
 use models::shared;
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Model};
 use sinew_trainer::envelope::choose::report::{CandidateReport, TrainingReport};
 use sinew_trainer::envelope::lbs::poses::{Poses, trajectories};
 use sinew_trainer::envelope::lbs::targets::Targets;
@@ -236,7 +236,7 @@ fn held_out(clip: &str) -> Option<(Evaluation, f64)> {
     loaded.examples.hold_out_clips(&loaded.clips, &[clip.to_owned()]).unwrap();
     let model = train(&loaded.examples, &Options::default(), &Silent).unwrap().model;
     let file = Model::from_bytes(&model).unwrap();
-    let certificate = file.envelope().unwrap().certificate();
+    let certificate = file.first::<Envelope>().unwrap().certificate();
     let forecast = f64::from(certificate.other_clip_rms.unwrap() / certificate.diagonal);
     let found = evaluate(&model, None, &loaded.examples, Frames::Of(Split::HeldOut)).unwrap();
     Some((found, 100.0 * forecast))

@@ -1,9 +1,9 @@
 //! Authored surfaces: texture seams stay invisible, hard edges stay hard.
 
 use nalgebra::{Rotation3, Vector3};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Space;
+use sinew_runtime::{Model, Skin};
 use sinew_trainer::envelope::normals::TrueNormals;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
@@ -128,8 +128,8 @@ fn a_split_sphere_is_shaded_as_the_whole_one() {
 
     let (one, other) = (model(&whole), model(&split));
     let runtime = Model::from_bytes(&other[..]).unwrap();
-    assert_eq!(runtime.skin().unwrap().vertex_len(), expected);
-    assert!(runtime.skin().unwrap().has_tangents());
+    assert_eq!(runtime.first::<Skin>().unwrap().vertex_len(), expected);
+    assert!(runtime.first::<Skin>().unwrap().has_tangents());
     let one = Character::open(&one, None, &whole).unwrap();
     let other_character = Character::open(&other, None, &split).unwrap();
     for frame in 0..FRAMES {
@@ -245,7 +245,7 @@ fn normals_that_lean_go_with_the_surface() {
     examples.engine = Some(authored(&examples, leaning));
     let bytes = model(&examples);
     let model = Model::from_bytes(&bytes[..]).unwrap();
-    let baked = model.skin().unwrap();
+    let baked = model.first::<Skin>().unwrap();
     let engine = examples.engine.as_ref().unwrap();
     for (copy, normal) in engine.normals.as_ref().unwrap().iter().enumerate() {
         let found = baked.rest_normal(copy).unwrap().map(f64::from);
@@ -266,7 +266,7 @@ fn named_ranges_hold_all_copies() {
     let bytes = model(&examples);
     let model = Model::from_bytes(&bytes[..]).unwrap();
     let surface = examples.surface();
-    for (name, range) in model.skin().unwrap().ranges() {
+    for (name, range) in model.first::<Skin>().unwrap().ranges() {
         let own = if name == "low" { 0..half } else { half..len };
         for copy in 0..surface.engine_len() {
             assert_eq!(range.contains(&copy), own.contains(&surface.copy_of(copy)));

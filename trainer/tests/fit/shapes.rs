@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use sinew_runtime::format::Space;
-use sinew_runtime::{Model, Skin};
+use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::envelope::model::{FileModel, ShapeNumbers, Shapes, SkinModel};
 use sinew_trainer::mesh::Surface;
 use std::f64::consts::PI;
@@ -75,20 +75,16 @@ fn baked(skin: SkinModel) -> Model<Vec<u8>> {
 
 fn shaped(skin: &Skin<'_>, weights: &[f32]) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     use sinew_runtime::ShapesJob;
-    use sinew_runtime::skin::{Output, cells};
+    use sinew_runtime::skin::Output;
     let v = skin.vertex_len();
     let (mut positions, mut normals) = (vec![[0.0; 3]; v], vec![[0.0; 3]; v]);
-    let to = |floats| Some(Output { floats: cells(floats), stride: 3 });
-    ShapesJob {
-        skin: *skin,
-        weights,
-        vertices: 0..v,
-        positions: to(positions.as_flattened_mut()),
-        normals: to(normals.as_flattened_mut()),
-        tangents: None,
-    }
-    .run()
-    .unwrap();
+    let to = |floats| Some(Output::new(floats, 3));
+    ShapesJob::new(*skin, weights)
+        .vertices(0..v)
+        .positions(to(positions.as_flattened_mut()))
+        .normals(to(normals.as_flattened_mut()))
+        .run()
+        .unwrap();
     (positions, normals)
 }
 
@@ -97,8 +93,8 @@ fn a_face_alone_is_a_file() {
     for numbers in NUMBERS {
         let (face, _) = face(numbers);
         let model = baked(face.clone());
-        assert!(model.envelope().is_none());
-        let skin = model.skin_named("face").unwrap();
+        assert!(model.first::<Envelope>().is_none());
+        let skin = model.named::<Skin>("face").unwrap();
         let names: Vec<_> = (0..3).map(|shape| skin.shape_name(shape).unwrap()).collect();
         assert_eq!(names, ["bump", "pull", "still"]);
         assert_eq!(skin.shape_element(), numbers.element());
@@ -121,7 +117,7 @@ fn the_cost_of_smaller_numbers_is_measured() {
     ] {
         let (face, _) = face(numbers);
         let model = baked(face.clone());
-        let skin = model.skin().unwrap();
+        let skin = model.first::<Skin>().unwrap();
         let (mut largest, mut squares, mut len) = (0.0_f64, 0.0, 0);
         for (shape, deltas) in face.shapes.deltas.iter().enumerate() {
             for (vertex, delta) in deltas.iter().enumerate() {
@@ -149,7 +145,7 @@ fn the_cost_of_smaller_numbers_is_measured() {
 fn normals_are_those_of_the_shaped_surface() {
     let (face, triangles) = face(ShapeNumbers::F32);
     let model = baked(face.clone());
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let truth = |weights: &[f64]| {
         let moved: Vec<[f64; 3]> = face.shaped(weights).iter().map(|v| v.position.into()).collect();
         Surface { positions: &moved, triangles: &triangles, engine: None }.normals()

@@ -2,7 +2,7 @@
 
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{PartKind, SectionKind};
-use sinew_runtime::{Matrix3x4, Model};
+use sinew_runtime::{Envelope, Matrix3x4, Model, Skin};
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{FileSkins, Options, Predict, Trained, train};
@@ -51,7 +51,7 @@ fn bytes(model: &Model<&[u8]>, part: usize) -> usize {
 }
 
 fn palette(model: &Model<&[u8]>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut palette = vec![Matrix3x4::default(); envelope.palette_len()];
     envelope.palette(pose, &[], &mut scratch, &mut palette).unwrap();
@@ -59,7 +59,7 @@ fn palette(model: &Model<&[u8]>, pose: &[Matrix3x4]) -> Vec<Matrix3x4> {
 }
 
 fn skinned(model: &Model<&[u8]>, skin: &str, palette: &[Matrix3x4]) -> Vec<[u32; 3]> {
-    let skin = model.skin_named(skin).unwrap();
+    let skin = model.named::<Skin>(skin).unwrap();
     let mut positions = vec![[0.0; 3]; skin.vertex_len()];
     skin.skin_positions(palette, &mut positions).unwrap();
     positions.into_iter().map(|x| x.map(f32::to_bits)).collect()
@@ -73,9 +73,9 @@ fn one_palette_drives_three_skins_as_three_files_do() {
     assert_eq!(all.levels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>(), ["lod1", "lod2"]);
     assert!(all.levels.iter().all(|level| level.far == 0 && level.fitted_percent < 1.0));
     let model = Model::from_bytes(all.model.as_slice()).unwrap();
-    let names: Vec<&str> = model.skins().map(|skin| skin.name()).collect();
+    let names: Vec<&str> = model.all::<Skin>().map(|skin| skin.name()).collect();
     assert_eq!(names, ["skin", "lod1", "lod2"]);
-    assert!(model.skins().all(|skin| skin.has_tangents()));
+    assert!(model.all::<Skin>().all(|skin| skin.has_tangents()));
     let poses: Vec<Vec<Matrix3x4>> = (0..examples.frame_len())
         .map(|f| examples.pose(f).iter().map(|m| m.map(|row| row.map(|x| x as f32))).collect())
         .collect();
@@ -89,7 +89,7 @@ fn one_palette_drives_three_skins_as_three_files_do() {
     let files = [lod1, lod2].map(|level| trained(&examples, &[level]).model);
     let files = files.each_ref().map(|file| Model::from_bytes(file.as_slice()).unwrap());
     for (name, file) in names.iter().zip([&alone, &files[0], &files[1]]) {
-        let part = |model: &Model<&[u8]>| model.skin_named(name).unwrap().part();
+        let part = |model: &Model<&[u8]>| model.named::<Skin>(name).unwrap().part();
         assert_eq!(sections(&model, part(&model)), sections(file, part(file)), "{name}");
         for pose in &poses {
             let (one, other) = (palette(&model, pose), palette(file, pose));
@@ -114,7 +114,7 @@ fn a_palette_alone_is_the_same_palette_without_a_mesh() {
     let models = [&with.model, &without.model].map(|m| Model::from_bytes(m.as_slice()).unwrap());
     let kinds: Vec<u16> = models[1].parts().map(|row| row.kind).collect();
     assert_eq!(kinds, [PartKind::Envelope, PartKind::Record].map(PartKind::number));
-    assert!(models[1].skin().is_none());
+    assert!(models[1].first::<Skin>().is_none());
     let mesh = [SectionKind::RestPositions, SectionKind::InfluenceWeights].map(SectionKind::number);
     assert!(models[1].sections().all(|section| !mesh.contains(&section.row.kind)));
     assert_eq!(sections(&models[0], 0), sections(&models[1], 0));
@@ -182,7 +182,7 @@ fn a_budget_covers_every_skin() {
     let within = budget(all).unwrap();
     assert!(within.model.len() <= all);
     let model = Model::from_bytes(within.model.as_slice()).unwrap();
-    assert!(model.skins().all(|skin| skin.has_coefficients()));
+    assert!(model.all::<Skin>().all(|skin| skin.has_coefficients()));
     // Enough for the mesh without a correction, but not for the further mesh.
     let own = trained(&examples, &[]).model.len();
     let model = Model::from_bytes(within.model.as_slice()).unwrap();
@@ -202,7 +202,7 @@ fn joined_meshes_keep_their_names_and_vertices() {
     examples.validate().unwrap();
     let model = trained(&examples, &[]).model;
     let model = Model::from_bytes(model.as_slice()).unwrap();
-    let ranges: Vec<_> = model.skin().unwrap().ranges().collect();
+    let ranges: Vec<_> = model.first::<Skin>().unwrap().ranges().collect();
     assert_eq!(ranges, [("sleeve", 0..120), ("hand", 120..len)]);
     // A range that overlaps the previous range, one beyond the mesh, and one that ends before it
     // starts.

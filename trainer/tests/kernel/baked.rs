@@ -1,9 +1,9 @@
 //! A function in its file: the runtime, compared with the fitted f64 function.
 
 use crate::kernel::common::random;
-use sinew_runtime::Model;
 use sinew_runtime::format::Space;
 use sinew_runtime::kernel::{EulerOrder, Normalise, QueryRule};
+use sinew_runtime::{KernelMap, Model};
 use sinew_trainer::ErrorKind;
 use sinew_trainer::bake::bake;
 use sinew_trainer::regression::rotations::{Feature, from_euler};
@@ -97,7 +97,7 @@ fn problem(options: ProblemOptions) -> Problem {
 fn assert_same(model: &KernelModel, about: &str) {
     let bytes = bake(Space::default(), &[part(model).unwrap()]).unwrap();
     let file = Model::from_bytes(bytes).unwrap();
-    let map = file.kernels().next().unwrap();
+    let map = file.all::<KernelMap>().next().unwrap();
     let mut scratch = vec![0.0; map.counts().scratch_len()];
     let mut found = vec![0.0; map.result_len()];
     let mut doubted = 0;

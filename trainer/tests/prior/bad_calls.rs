@@ -2,7 +2,7 @@
 
 use super::common::*;
 use sinew_runtime::prior::{Pin, PinJob, Pins, Temporal};
-use sinew_runtime::{Argument, CallErrorKind as Kind, Model};
+use sinew_runtime::{Argument, CallErrorKind as Kind, Model, Prior, Skin};
 
 type Set = fn(&mut PinJob<'_>);
 
@@ -63,7 +63,7 @@ fn a_target_that_is_no_number_and_too_many_pins_are_refused_by_the_list() {
 fn pins_beyond_all_measure_are_refused_and_nothing_is_written() {
     let face = Face::new(5, 1);
     let model = Model::from_bytes(&face.file).unwrap();
-    let (prior, skin) = (model.prior().unwrap(), model.skin().unwrap());
+    let (prior, skin) = (model.first::<Prior>().unwrap(), model.first::<Skin>().unwrap());
     for (target, beta) in [(f32::MAX, 1e-3), (0.1, f32::from_bits(1))] {
         let mut pins = Pins::<2>::new();
         pins.add(Pin::new(2, [target; 3]).with_stiffness(f32::MAX)).unwrap();
@@ -82,7 +82,7 @@ fn a_skin_of_other_shapes_is_refused() {
     let (face, other) = (Face::new(5, 1), Face::new(6, 1));
     let (a, b) = (Model::from_bytes(&face.file).unwrap(), Model::from_bytes(&other.file).unwrap());
     let pins = Pins::<1>::new();
-    let job = PinJob::new(a.prior().unwrap(), b.skin().unwrap(), pins.list());
+    let job = PinJob::new(a.first::<Prior>().unwrap(), b.first::<Skin>().unwrap(), pins.list());
     let error = job.run(&mut [], &mut [0.0; 6]).unwrap_err();
     assert_eq!((error.kind, error.argument), (Kind::Length, Argument::Prior));
     assert_eq!((error.expected, error.found), (6, 5));

@@ -70,8 +70,8 @@ impl Face {
         let model = FileModel { skins: vec![skin], priors: vec![prior], ..FileModel::default() };
         let file = model.bake().unwrap();
         let loaded = Model::from_bytes(&file).unwrap();
-        let skin = SkinModel::from_file(&loaded.skin().unwrap());
-        let prior = PriorModel::from_file(&loaded.prior().unwrap(), 0);
+        let skin = SkinModel::from_file(&loaded.first::<Skin>().unwrap());
+        let prior = PriorModel::from_file(&loaded.first::<Prior>().unwrap(), 0);
         Self { file, skin, prior }
     }
 
@@ -93,7 +93,7 @@ impl Face {
     /// Makes scratch for a number of pins.
     pub(crate) fn scratch(&self, pins: usize) -> Vec<f64> {
         let model = Model::from_bytes(&self.file).unwrap();
-        vec![f64::NAN; model.prior().unwrap().counts().pin_scratch_len(3 * pins)]
+        vec![f64::NAN; model.first::<Prior>().unwrap().counts().pin_scratch_len(3 * pins)]
     }
 
     pub(crate) fn solve_in(
@@ -104,7 +104,8 @@ impl Face {
         set: impl Fn(&mut PinJob<'_>),
     ) -> Result<(Vec<f64>, Edit), CallError> {
         let model = Model::from_bytes(&self.file).unwrap();
-        let (prior, skin): (Prior<'_>, Skin<'_>) = (model.prior().unwrap(), model.skin().unwrap());
+        let (prior, skin): (Prior<'_>, Skin<'_>) =
+            (model.first::<Prior>().unwrap(), model.first::<Skin>().unwrap());
         let mut list = Pins::<32>::new();
         for pin in pins {
             list.add(*pin)?;

@@ -2,8 +2,8 @@
 
 use super::common::*;
 use faer::Mat;
-use sinew_runtime::Model;
 use sinew_runtime::prior::{Anchor, Pin};
+use sinew_runtime::{Model, Skin};
 
 /// Tolerance for weights in single precision.
 const CLOSE: f64 = 1e-4;
@@ -222,7 +222,7 @@ fn a_sticky_pin_moves_nothing() {
     let face = Face::new(15, 8);
     let now = weights(15, 4);
     let model = Model::from_bytes(&face.file).unwrap();
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let narrow: Vec<f32> = now.iter().map(|w| *w as f32).collect();
     let pins: Vec<Pin> =
         [4u32, 50, 90].map(|v| Pin::new(v, skin.place(v, &[], &narrow).unwrap())).to_vec();

@@ -2,8 +2,8 @@
 
 use super::common::*;
 use sinew_runtime::prior::{Anchor, Pin, PinJob, Pins};
-use sinew_runtime::skin::{Output, Rest, ShapesJob, SkinJob, cells};
-use sinew_runtime::{Matrix3x4, Model};
+use sinew_runtime::skin::{Output, ShapesJob, SkinJob};
+use sinew_runtime::{Envelope, Matrix3x4, Model, Prior, Skin};
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel, SkinModel};
 use sinew_trainer::face::prior::slider;
 use std::path::Path;
@@ -25,45 +25,31 @@ fn a_pinned_vertex_goes_where_the_pin_is_and_the_pose_stays() {
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/shapes-9-f32.snw");
     let bytes = std::fs::read(golden).unwrap();
     let golden = Model::from_bytes(&bytes).unwrap();
-    let bounds = vec![[0.0, 1.0]; golden.skin().unwrap().shape_len()];
+    let bounds = vec![[0.0, 1.0]; golden.first::<Skin>().unwrap().shape_len()];
     let file = FileModel {
-        envelopes: golden.envelopes().map(|envelope| EnvelopeModel::from_file(&envelope)).collect(),
-        skins: golden.skins().map(|skin| SkinModel::from_file(&skin)).collect(),
+        envelopes: golden
+            .all::<Envelope>()
+            .map(|envelope| EnvelopeModel::from_file(&envelope))
+            .collect(),
+        skins: golden.all::<Skin>().map(|skin| SkinModel::from_file(&skin)).collect(),
         priors: vec![slider(bounds, 0.01)],
         ..FileModel::default()
     };
     let file = file.bake().unwrap();
     let model = Model::from_bytes(&file).unwrap();
-    let (prior, skin) = (model.prior().unwrap(), model.skin().unwrap());
+    let (prior, skin) = (model.first::<Prior>().unwrap(), model.first::<Skin>().unwrap());
     let palette = palette(skin.palette_len());
     let (v, n) = (skin.vertex_len(), skin.shape_len());
     let posed = |weights: &[f32]| {
         let mut rest = vec![[0.0f32; 3]; v];
-        let skin_all = 0..v;
-        let positions = Some(Output { floats: cells(rest.as_flattened_mut()), stride: 3 });
-        ShapesJob {
-            skin,
-            weights,
-            vertices: skin_all.clone(),
-            positions,
-            normals: None,
-            tangents: None,
-        }
-        .run()
-        .unwrap();
+        let positions = Output::new(rest.as_flattened_mut(), 3);
+        ShapesJob::new(skin, weights).positions(positions).run().unwrap();
         let mut posed = vec![[0.0f32; 3]; v];
-        SkinJob {
-            skin,
-            palette: &palette,
-            vertices: skin_all,
-            remap: None,
-            rest: Rest { positions: Some(&rest), ..Rest::default() },
-            positions: Some(Output { floats: cells(posed.as_flattened_mut()), stride: 3 }),
-            normals: None,
-            tangents: None,
-        }
-        .run()
-        .unwrap();
+        SkinJob::new(skin, &palette)
+            .rest_positions(&rest)
+            .positions(Output::new(posed.as_flattened_mut(), 3))
+            .run()
+            .unwrap();
         posed
     };
     let now = vec![0.25f32; n];

@@ -1,9 +1,9 @@
 //! Filters of a file: the runtime in f32 must match f64.
 
 use super::common::*;
-use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
 use sinew_runtime::format::Space;
+use sinew_runtime::{Filter, Model};
 use sinew_trainer::bake::bake;
 use sinew_trainer::signal::grid::{Grid, GridFilter, Sample, Shape};
 use sinew_trainer::signal::kriging::Mean;
@@ -28,7 +28,7 @@ fn the_runtime_makes_the_same_signal() {
                 FilterModel { name: "signal".to_owned(), filter, variance: 2.0, fit: Some(fit) };
             let bytes = bake(Space::default(), &[part(&model, true).unwrap()]).unwrap();
             let file = Model::from_bytes(&bytes).unwrap();
-            let loaded = file.filters().next().unwrap();
+            let loaded = file.all::<Filter>().next().unwrap();
             assert_eq!(
                 (loaded.name(), loaded.factor(), loaded.tap_len()),
                 ("signal", factor, taps)
@@ -68,5 +68,5 @@ fn variances_are_omitted_unless_requested() {
     let model = FilterModel { name: "s".to_owned(), filter, variance: 1.0, fit: None };
     let bytes = bake(Space::default(), &[part(&model, false).unwrap()]).unwrap();
     let file = Model::from_bytes(&bytes).unwrap();
-    assert_eq!(file.filters().next().unwrap().variance(0, 0), None);
+    assert_eq!(file.all::<Filter>().next().unwrap().variance(0, 0), None);
 }

@@ -4,8 +4,8 @@ use super::common::{
     apart, examples, fitted, most, object, points, random, rms, squares, turned, view,
     yaw_and_pitch,
 };
-use sinew_runtime::Model;
 use sinew_runtime::format::Space;
+use sinew_runtime::{KernelMap, Model};
 use sinew_trainer::bake::bake;
 use sinew_trainer::scattered::bake::part;
 use sinew_trainer::scattered::model::query_numbers;
@@ -58,7 +58,7 @@ fn seven_scattered_views_of_a_rigid_object_give_all_others() {
 fn by_the_runtime(map: &FittedMap, view: &View) -> Vec<[f64; 2]> {
     let bytes = bake(Space::default(), &[part(&map.model).unwrap()]).unwrap();
     let file = Model::from_bytes(bytes).unwrap();
-    let kernel = file.kernel().unwrap();
+    let kernel = file.first::<KernelMap>().unwrap();
     let inputs = &map.model.inputs;
     let query = query_numbers(inputs, &given(inputs, &view.values).unwrap()).unwrap();
     let query: Vec<f32> = query.into_iter().map(|x| x as f32).collect();

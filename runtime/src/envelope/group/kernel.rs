@@ -24,9 +24,9 @@ named! {
         Matern52 = 11, "Matérn 5/2";
     }
     /// Every kernel.
-    ALL;
+    pub ALL;
     /// Returns the kernel's name in FORMAT.md.
-    name;
+    pub name;
 }
 
 impl GroupKernel {

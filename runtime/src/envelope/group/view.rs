@@ -33,7 +33,8 @@ pub struct Group<'a> {
 
 impl<'a> Envelope<'a> {
     /// Lists the G groups. The helpers of a group follow the helpers of the previous group.
-    pub fn groups(&self) -> impl Iterator<Item = Group<'a>> + use<'a> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn groups(&self) -> impl Iterator<Item = Group<'a>> + use<'a> {
         let words = self.corrections();
         let mut end = 0;
         self.group_rows().map_while(move |row| {
@@ -44,7 +45,8 @@ impl<'a> Envelope<'a> {
     }
 
     /// Returns a group.
-    pub fn group(&self, index: usize) -> Option<Group<'a>> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn group(&self, index: usize) -> Option<Group<'a>> {
         self.groups().nth(index)
     }
 }

@@ -19,6 +19,7 @@ pub const CURVE_MARGIN: f32 = 10.0;
 
 /// Reason why a pose does not fit the skeleton, from [`crate::Envelope::check_pose`].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct PoseFault {
     /// The likely mistake.
     pub kind: PoseFaultKind,
@@ -39,6 +40,7 @@ named! {
     /// Mistake of a [`PoseFault`].
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u8)]
+    #[cfg_attr(not(feature = "internals"), non_exhaustive)]
     pub enum PoseFaultKind {
         /// The number of matrices differs from the number of joints.
         Length = 1, "give one matrix for each joint, in the order of the file's joints";
@@ -83,9 +85,10 @@ named! {
         Curve = 17, "give the curve in the unit of training: a percentage must be divided by 100";
     }
     /// Every kind.
-    ALL;
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) ALL;
     /// Returns how to fix the mistake.
-    remedy;
+    pub remedy;
 }
 
 impl PoseFault {

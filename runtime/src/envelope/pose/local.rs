@@ -18,6 +18,13 @@ pub struct LocalTransform {
     pub translation: [f32; 3],
 }
 
+impl Default for LocalTransform {
+    /// Returns the identity: the joint is at its parent.
+    fn default() -> Self {
+        Self { rotation: [0.0, 0.0, 0.0, 1.0], translation: [0.0; 3] }
+    }
+}
+
 /// Computes the J skinning matrices of a pose from J local transforms.
 ///
 /// `out_pose[j] = frame_j inverse_bind_j` with `frame_j = frame_parent local_j`. The local transform of the root is

@@ -13,6 +13,7 @@ pub const FOLDED: u32 = u32::MAX;
 /// Result of [`Envelope::bind_joints`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use = "joints that were not found are stiff: compare `found_len` with `joint_len`"]
+#[cfg_attr(not(feature = "internals"), non_exhaustive)]
 pub struct BoundJoints {
     /// Number of joints that the skeleton has, at least the root.
     pub found_len: usize,

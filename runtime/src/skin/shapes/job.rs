@@ -14,23 +14,14 @@ use core::ops::Range;
 /// The position of a vertex is its rest position plus `sum z_s u_s`, over the shapes whose weight is not 0, in the
 /// file's order. A [`super::super::SkinJob`] takes the output as its rest mesh.
 #[derive(Clone, Debug)]
+#[must_use = "a job does nothing until it runs"]
 pub struct ShapesJob<'a> {
-    /// Skin whose shapes the job evaluates.
-    pub skin: Skin<'a>,
-    /// [`Skin::shape_len`] weights z.
-    pub weights: &'a [f32],
-    /// Range of vertices. Jobs of different ranges can run at the same time. If every range starts at a multiple of
-    /// [`super::super::BLOCK`], no block is summed twice.
-    pub vertices: Range<usize>,
-    /// Output of positions: 3 floats, in model space.
-    pub positions: Option<Output<'a>>,
-    /// Output of normals: 3 floats of length 1, tilted by the sums of the shapes' slopes.
-    ///
-    /// With one shape at a weight of 1 and all others at 0, these are the normals of the shaped surface. If no
-    /// direction is left, the result is the file's normal, which may be 0.
-    pub normals: Option<Output<'a>>,
-    /// Output of tangents: 3 floats of length 1, tilted by the sums of the slopes, then the file's handedness.
-    pub tangents: Option<Output<'a>>,
+    skin: Skin<'a>,
+    weights: &'a [f32],
+    vertices: Range<usize>,
+    positions: Option<Output<'a>>,
+    normals: Option<Output<'a>>,
+    tangents: Option<Output<'a>>,
 }
 
 /// Sums of the weighted deltas and slopes over the shapes, for one block of vertices.
@@ -39,7 +30,41 @@ struct Sums {
     slopes: [[f32; 2]; BLOCK],
 }
 
-impl ShapesJob<'_> {
+impl<'a> ShapesJob<'a> {
+    /// Makes a job of all vertices, without outputs.
+    ///
+    /// - `weights`: [`Skin::shape_len`] weights z.
+    pub fn new(skin: Skin<'a>, weights: &'a [f32]) -> Self {
+        let (vertices, positions, normals, tangents) = (0..skin.vertex_len(), None, None, None);
+        Self { skin, weights, vertices, positions, normals, tangents }
+    }
+
+    /// Sets the range of vertices. Jobs of different ranges can run at the same time. If every range starts at a
+    /// multiple of 64, no block is summed twice.
+    pub fn vertices(self, vertices: Range<usize>) -> Self {
+        Self { vertices, ..self }
+    }
+
+    /// Writes positions: 3 floats, in model space.
+    pub fn positions(self, positions: impl Into<Option<Output<'a>>>) -> Self {
+        Self { positions: positions.into(), ..self }
+    }
+
+    /// Writes normals: 3 floats of length 1, tilted by the sums of the shapes' slopes.
+    ///
+    /// With one shape at a weight of 1 and all others at 0, these are the normals of the shaped surface. If no
+    /// direction is left, the result is the file's normal, which may be 0.
+    #[cfg(feature = "normals")]
+    pub fn normals(self, normals: impl Into<Option<Output<'a>>>) -> Self {
+        Self { normals: normals.into(), ..self }
+    }
+
+    /// Writes tangents: 3 floats of length 1, tilted by the sums of the slopes, then the file's handedness.
+    #[cfg(feature = "normals")]
+    pub fn tangents(self, tangents: impl Into<Option<Output<'a>>>) -> Self {
+        Self { tangents: tangents.into(), ..self }
+    }
+
     /// Runs the job.
     ///
     /// # Errors
@@ -67,7 +92,8 @@ impl ShapesJob<'_> {
 
     /// Checks every argument. The errors are those of [`Self::run`].
     fn check(&self) -> Result<(), CallError> {
-        let outputs = Outputs::new(self.positions, self.normals, self.tangents)?;
+        let outputs = [&self.positions, &self.normals, &self.tangents].map(Option::as_ref);
+        let outputs = Outputs::new(outputs)?;
         self.skin.check_weights(self.weights)?;
         check_range(&self.vertices, self.skin.vertex_len())?;
         if self.tangents.is_some() && !self.skin.has_tangents() {
@@ -84,7 +110,7 @@ impl ShapesJob<'_> {
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
         for vertex in vertices {
             let i = vertex - self.vertices.start;
-            if let Some(out) = self.positions {
+            if let Some(out) = &self.positions {
                 let ([x, y, z], [u, v, w]) =
                     (floats(positions.get(vertex)?), *sums.deltas.get(vertex % BLOCK)?);
                 out.put(i, [x + u, y + v, z + w])?;
@@ -95,7 +121,7 @@ impl ShapesJob<'_> {
             let [a, c] = *sums.slopes.get(vertex % BLOCK)?;
             let n = floats(normals.get(vertex)?);
             let tangent = tangents.get(vertex).map(floats);
-            if let Some(out) = self.normals {
+            if let Some(out) = &self.normals {
                 let Frame { g, h } = match tangent {
                     Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
                     None => Frame::of_normal(n, n[2]),
@@ -107,7 +133,7 @@ impl ShapesJob<'_> {
                 ];
                 out.put(i, unit(tilted, 1.0).unwrap_or(n))?;
             }
-            if let Some((out, [x, y, z, hand])) = self.tangents.zip(tangent) {
+            if let Some((out, [x, y, z, hand])) = self.tangents.as_ref().zip(tangent) {
                 let tilted = [x + a * n[0], y + a * n[1], z + a * n[2]];
                 let [x, y, z] = unit(tilted, 1.0).unwrap_or([x, y, z]);
                 out.put(i, [x, y, z, hand])?;

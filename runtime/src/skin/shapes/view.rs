@@ -14,12 +14,14 @@ const ERRORS: usize = Rule::place(&RULES, SectionKind::ShapeErrors);
 
 impl<'a> Skin<'a> {
     /// Returns the element type of the deltas and slopes: f32, f16 or i8.
-    pub fn shape_element(&self) -> Element {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn shape_element(&self) -> Element {
         Blocks::of(self).deltas.element
     }
 
     /// Returns the offset of a vertex by a shape at a weight of 1; 0 if the shape does not move the vertex.
-    pub fn shape_delta(&self, shape: usize, vertex: usize) -> Option<[f32; 3]> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn shape_delta(&self, shape: usize, vertex: usize) -> Option<[f32; 3]> {
         self.check_shape(shape, vertex)?;
         let blocks = Blocks::of(self);
         let delta = |entry| blocks.delta(entry, vertex);
@@ -29,7 +31,8 @@ impl<'a> Skin<'a> {
     /// Returns the slopes of the surface at a vertex by a shape at a weight of 1.
     ///
     /// The slopes are 0 if the shape does not move the vertex. A slope is the rise of the surface along one of the two directions of the vertex's frame at rest.
-    pub fn shape_slopes(&self, shape: usize, vertex: usize) -> Option<[f32; 2]> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn shape_slopes(&self, shape: usize, vertex: usize) -> Option<[f32; 2]> {
         self.check_shape(shape, vertex)?;
         let blocks = Blocks::of(self);
         let slopes = |entry| blocks.slopes(entry, vertex);
@@ -45,7 +48,8 @@ impl<'a> Skin<'a> {
     }
 
     /// Returns the box around 0 and the offsets of all vertices by a shape at a weight of 1.
-    pub fn shape_box(&self, shape: usize) -> Option<Bounds> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn shape_box(&self, shape: usize) -> Option<Bounds> {
         let row: &[Le; 8] = self.0.entry(SHAPES, self.shape_len(), shape)?;
         Bounds::from_corners(row.last_chunk()?)
     }

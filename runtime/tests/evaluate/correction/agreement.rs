@@ -79,7 +79,7 @@ fn each_number_of_a_group_matters() {
     let pose_of = |envelope: &Envelope<'_>| random_pose(envelope, &mut Rng(8), 0.2);
     let evaluate = |pieces: &Pieces| {
         let model = Model::from_bytes(pieces.bytes()).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let (palette, confidence) = confident_palette(&envelope, &pose_of(&envelope));
         [flat(&palette), &[confidence]].concat()
     };
@@ -126,7 +126,7 @@ fn groups_without_centres_add_nothing_and_have_no_confidence() {
         let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
         pieces.set_groups(&groups);
         let model = Model::from_bytes(pieces.bytes()).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let pose = random_pose(&envelope, &mut Rng(4), 0.3);
         let (palette, confidence) = confident_palette(&envelope, &pose);
         let base = base(&groups, &pose);

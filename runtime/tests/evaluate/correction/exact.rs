@@ -8,7 +8,7 @@ use crate::common::{
 use models::{JOINTLESS, Pieces, Rng, SMALL, STRETCHING, Shape, sample_groups};
 use sinew_runtime::envelope::{GroupKernel, Predictor};
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::{Matrix3x4, Model, stages};
+use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
 #[test]
 fn the_rest_pose_is_exact_bit_for_bit() {
@@ -32,7 +32,7 @@ fn the_rest_pose_is_exact_bit_for_bit() {
     let rest = f32::from_le_bytes(words[at]);
     pieces.set_float(section, at, rest.next_up());
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let (palette, _) = confident_palette(&envelope, &vec![IDENTITY; envelope.joint_len()]);
     assert_ne!(palette, vec![IDENTITY; envelope.palette_len()]);
 }

@@ -8,7 +8,7 @@ use crate::common::{
 use models::{Pieces, Rng, SMALL, STRETCHING, Shape, sample_groups};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::{Matrix3x4, Model, stages};
+use sinew_runtime::{Envelope, Matrix3x4, Model, stages};
 
 #[test]
 fn a_rotational_model_is_confident_within_its_ranges() {
@@ -112,7 +112,7 @@ fn a_curve_outside_its_range_lowers_the_confidence() {
             pieces.set_float(SectionKind::CurveRanges, 6 + at, end);
         }
         let model = Model::from_bytes(pieces.bytes()).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let (palette, confidence) = palette_with(&envelope, &[], &[0.0, 0.0, 0.25, value]);
         assert_eq!(palette, vec![IDENTITY; 3], "it moves nothing");
         confidence

@@ -13,7 +13,7 @@ use sinew_runtime::{CallError, KernelMap, Model};
 /// Runs a test on a kernel in its own file.
 fn with<T>(content: &KernelContent, test: impl FnOnce(KernelMap<'_>) -> T) -> T {
     let model = Model::from_bytes(Pieces::kernels(std::slice::from_ref(content)).bytes()).unwrap();
-    test(model.kernel().unwrap())
+    test(model.first::<KernelMap>().unwrap())
 }
 
 /// Evaluates a query in scratch of exactly the stated length; returns outputs and confidence.

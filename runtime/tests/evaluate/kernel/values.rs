@@ -5,8 +5,8 @@ use super::exact::Exact;
 use super::{evaluate, with};
 use crate::common::{apart, bits};
 use models::{KernelContent, Pieces, Rng};
-use sinew_runtime::Model;
-use sinew_runtime::kernel::{Kernel, KernelCounts, KernelLayout, QueryRule};
+use sinew_runtime::kernel::{Kernel, KernelCounts, QueryRule};
+use sinew_runtime::{Envelope, KernelMap, Model};
 
 fn double(query: &[f32]) -> Vec<f64> {
     query.iter().map(|x| f64::from(*x)).collect()
@@ -131,10 +131,10 @@ fn accessors_give_what_was_written() {
     let content = KernelContent::every(Kernel::Wendland { l: 14 });
     let bytes = Pieces::kernels(&[KernelContent::servo(), content.clone()]).bytes();
     let model = Model::from_bytes(bytes.as_slice()).unwrap();
-    assert_eq!(model.kernels().count(), 2);
-    assert_eq!(model.kernel().unwrap().name(), "servo");
-    assert!(model.kernel_named("arm").is_none() && model.envelope().is_none());
-    let map = model.kernel_named("every").unwrap();
+    assert_eq!(model.all::<KernelMap>().count(), 2);
+    assert_eq!(model.first::<KernelMap>().unwrap().name(), "servo");
+    assert!(model.named::<KernelMap>("arm").is_none() && model.first::<Envelope>().is_none());
+    let map = model.named::<KernelMap>("every").unwrap();
     assert_eq!(
         (map.part(), map.file(), map.rule(), map.fit()),
         (1, model.id(), content.rule, content.fit)
@@ -171,8 +171,7 @@ fn accessors_give_what_was_written() {
     assert!(
         (0..25).all(|i| map.feature(i) == Some(content.features[i])) && map.feature(25).is_none()
     );
-    let layout: KernelLayout = map.layout();
-    assert_eq!(layout.counts(), counts);
-    assert_eq!(layout.open(&bytes).map(|map| map.name()), Some("every"));
-    assert!(layout.open(&bytes[1..]).is_none());
+    let layout = map.layout();
+    assert_eq!(layout.open::<KernelMap>(&bytes).map(|map| map.name()), Some("every"));
+    assert!(layout.open::<KernelMap>(&bytes[1..]).is_none());
 }

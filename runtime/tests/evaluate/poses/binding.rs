@@ -6,7 +6,7 @@ use models::{JOINTLESS, Pieces, SMALL, STRETCHING, Shape};
 use sinew_runtime::envelope::{BoundJoints, FOLDED, PoseFaultKind as Kind, Predictor};
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{
-    Argument, CallError, CallErrorKind, Matrix3x4, Model, gather_pose, matrix,
+    Argument, CallError, CallErrorKind, Envelope, Matrix3x4, Model, gather_pose, matrix,
     model_space_pose_under,
 };
 
@@ -101,7 +101,7 @@ fn named(names: [&str; 5]) -> Vec<u8> {
 fn joints_under_other_names_are_refused_and_counted() {
     let file = named(["Head", "Hips", "Chest", "Hand.L", "Hand.R"]);
     let model = Model::from_bytes(file).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let (root, parent) = (envelope.root(), |joint| envelope.parent(joint).unwrap());
     assert_eq!((root, parent(0), parent(2)), (1, 2, 1));
     let bind = |names: &[&str]| {

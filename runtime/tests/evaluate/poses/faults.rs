@@ -6,7 +6,7 @@ use sinew_runtime::envelope::{
     CURVE_MARGIN, PoseFault, PoseFaultKind as Kind, Predictor, RIGID_TOLERANCE, STRETCH_MARGIN,
 };
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::{Matrix3x4, Model, matrix};
+use sinew_runtime::{Envelope, Matrix3x4, Model, matrix};
 
 #[test]
 fn poses_are_taken_and_faults_named() {
@@ -210,7 +210,7 @@ fn curves_in_another_unit_are_named() {
     let mut pieces = Pieces::sample(Predictor::Kernel, JOINTLESS);
     pieces.section(SectionKind::CurveRanges).fill(0);
     let model = Model::from_bytes(pieces.bytes()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     assert_eq!(envelope.check_pose(&[], &[1e9; 5]), Ok(()));
     let fault = envelope.check_pose(&[], &[0.0, 0.0, 0.0, 0.0, f32::NAN]).unwrap_err();
     assert_eq!((fault.kind, fault.joint), (Kind::Curve, 4));

@@ -13,14 +13,14 @@ use sinew_runtime::{Envelope, Matrix3x4, Model, matrix, model_space_pose};
 fn each(test: impl Fn(&Envelope<'_>)) {
     let samples = [SMALL, STRETCHING].map(|shape| Pieces::sample(Predictor::Kernel, shape).bytes());
     for file in GOLDEN.into_iter().chain(samples.each_ref().map(Vec::as_slice)) {
-        test(&Model::from_bytes(file).unwrap().envelope().unwrap());
+        test(&Model::from_bytes(file).unwrap().first::<Envelope>().unwrap());
     }
 }
 
 /// Runs a test on the envelope of a kernel sample.
 fn sample(shape: Shape, test: impl FnOnce(&Envelope<'_>)) {
     let model = Model::from_bytes(Pieces::sample(Predictor::Kernel, shape).bytes()).unwrap();
-    test(&model.envelope().unwrap());
+    test(&model.first::<Envelope>().unwrap());
 }
 
 /// A pose with each joint rotated against its rest frame, about its own axis.

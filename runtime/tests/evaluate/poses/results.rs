@@ -1,19 +1,20 @@
-//! Palettes and confidences of poses: scaled actors, joints outside their trained range, and levels.
+//! Palettes and confidences of poses: scaled actors, joints outside their trained range, and the base.
 
 use super::{each, posed, still, turned};
 use models::{GOLDEN, Pieces};
-use sinew_runtime::envelope::{Level, LocalTransform, PoseFaultKind as Kind, Predictor};
+use sinew_runtime::envelope::{LocalTransform, PoseFaultKind as Kind, Predictor};
 use sinew_runtime::format::SectionKind;
-use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{
-    Argument, CallErrorKind, Matrix3x4, Model, SkinJob, matrix, scale_palette, take_scale,
+    Argument, CallErrorKind, Envelope, Matrix3x4, Model, Skin, SkinJob, matrix, scale_palette,
+    take_scale,
 };
 
 #[test]
 fn a_scaled_actor_is_the_scaled_skin() {
     for file in GOLDEN {
         let model = Model::from_bytes(file).unwrap();
-        let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+        let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
         let evaluate = |mut pose: Vec<Matrix3x4>| {
             let scale = take_scale(&mut pose);
             let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
@@ -21,19 +22,8 @@ fn a_scaled_actor_is_the_scaled_skin() {
             envelope.palette(&pose, &[], &mut scratch, &mut palette).unwrap();
             scale_palette(&mut palette, scale);
             let mut out = vec![0.0; 6 * skin.vertex_len()];
-            let floats = cells(&mut out);
-            SkinJob {
-                skin,
-                palette: &palette,
-                vertices: 0..skin.vertex_len(),
-                remap: None,
-                rest: Rest::default(),
-                positions: Some(Output { floats, stride: 6 }),
-                normals: Some(Output { floats: &floats[3..], stride: 6 }),
-                tangents: None,
-            }
-            .run()
-            .unwrap();
+            let [positions, normals] = Output::interleaved(&mut out, 6, [0, 3]);
+            SkinJob::new(skin, &palette).positions(positions).normals(normals).run().unwrap();
             (scale, out)
         };
         let pose = posed(&envelope, &turned(&envelope, 0.5));
@@ -96,7 +86,7 @@ fn a_joint_outside_its_trained_range_lowers_the_confidence_with_or_without_maps(
         pieces.set_float(SectionKind::PoseRanges, joint, range);
         let bytes = pieces.bytes();
         let model = Model::from_bytes(&bytes).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let mut local: Vec<LocalTransform> = envelope.rest_locals().collect();
         local[joint] = turned(&envelope, angle / (1.0 + joint as f32))[joint];
         let pose = posed(&envelope, &local);
@@ -124,36 +114,26 @@ fn a_joint_outside_its_trained_range_lowers_the_confidence_with_or_without_maps(
 }
 
 #[test]
-fn levels_are_the_palette_with_and_without_its_correction() {
+fn the_base_is_the_palette_without_its_correction() {
     each(|envelope| {
         let pose = posed(envelope, &turned(envelope, 0.25));
         let (curves, mut scratch) = (still(envelope), vec![0.0; envelope.scratch_len()]);
-        let mut at = |level: Option<Level>| {
-            let mut palette = vec![matrix::IDENTITY; envelope.palette_len()];
-            let confidence = match level {
-                Some(level) => {
-                    envelope.palette_at(level, &pose, &curves, &mut scratch, &mut palette)
-                }
-                None => envelope.palette(&pose, &curves, &mut scratch, &mut palette),
-            };
-            (palette, confidence.unwrap())
-        };
-        assert_eq!(at(Some(Level::default())), at(None));
-        let (base, confidence) = at(Some(Level::Joints));
-        assert!((0.0..=1.0).contains(&confidence));
-        if !envelope.predictor().corrects() {
-            assert_eq!((base, confidence), at(None));
-        } else if !envelope.predictor().reconstructs() {
+        let palette = vec![matrix::IDENTITY; envelope.palette_len()];
+        let (mut whole, mut base) = (palette.clone(), palette);
+        let found = envelope.palette(&pose, &curves, &mut scratch, &mut whole).unwrap();
+        let confidence = envelope.base_palette(&pose, &curves, &mut scratch, &mut base).unwrap();
+        if envelope.predictor().reconstructs() {
+            assert_eq!((base, confidence), (whole, found));
+        } else {
+            assert_ne!(base, whole);
             assert_eq!((&base[..pose.len()], confidence), (&*pose, 1.0));
             for group in envelope.groups() {
                 for helper in &base[pose.len()..][group.proxies.clone()] {
                     assert_eq!(*helper, pose[group.joint]);
                 }
             }
-        } else {
-            assert_ne!(base, at(None).0);
         }
-        let refused = envelope.palette_at(Level::Joints, &pose, &curves, &mut [], &mut []);
+        let refused = envelope.base_palette(&pose, &curves, &mut [], &mut []);
         assert_eq!(refused.unwrap_err().argument, Argument::Palette);
     });
 }

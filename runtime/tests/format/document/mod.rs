@@ -1,5 +1,6 @@
 //! Checks FORMAT.md against the code, from its tables.
 
+mod bytes;
 mod numbers;
 mod rows;
 mod sections;

@@ -2,11 +2,12 @@
 //! a plan's spans and params, as a shader does, and can inject faults.
 
 use conformance::backend::Loaded;
+use models::cells;
 use sinew_gpu::headless::{Device, DeviceInfo, HeadlessError, Uploaded};
 use sinew_gpu::layout::{Chunk, DeviceLimits, Plan, Resource, Stage};
 use sinew_runtime::envelope::ScratchLayout;
 use sinew_runtime::filter::Samples;
-use sinew_runtime::skin::{Output, Rest, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::{
     CallError, Filter, KernelMap, Matrix3x4, Model, ShapesJob, Skin, SkinJob, stages,
 };
@@ -55,13 +56,18 @@ impl Device for Software<'_> {
         let model = Model::from_bytes(self.bytes).expect("a baked model loads");
         assert_eq!(model.blob(), blob, "the device was made for another model");
         let part = if plan.stages().eq([Stage::Kernel]) {
-            let kernel = model.kernel().and_then(|kernel| kernel.layout().open(self.bytes));
+            let kernel = model
+                .first::<KernelMap>()
+                .and_then(|kernel| kernel.layout().open::<KernelMap>(self.bytes));
             Part::Kernel(kernel.expect("it holds a kernel"))
         } else if plan.stages().eq([Stage::Shapes]) {
-            let skin = model.skin().and_then(|skin| skin.layout().open(self.bytes));
+            let skin =
+                model.first::<Skin>().and_then(|skin| skin.layout().open::<Skin>(self.bytes));
             Part::Shapes(skin.expect("it holds a skin"))
         } else if plan.stages().eq([Stage::Filter]) {
-            let filter = model.filter().and_then(|filter| filter.layout().open(self.bytes));
+            let filter = model
+                .first::<Filter>()
+                .and_then(|filter| filter.layout().open::<Filter>(self.bytes));
             Part::Filter(filter.expect("it holds a filter"))
         } else {
             Part::Envelope(Box::new(Loaded::new(self.bytes)))
@@ -298,15 +304,24 @@ impl Instance<'_, '_> {
     ) -> Result<(), CallError> {
         let palette: Vec<Matrix3x4> = self.take(Resource::Palettes, palette_at, palette_floats);
         let ([positions, normals, tangents], vertices) = self.outputs();
-        let (remap, rest, palette) = (None, Rest::default(), &palette[..]);
-        SkinJob { skin, palette, vertices, remap, rest, positions, normals, tangents }.run()
+        SkinJob::new(skin, &palette)
+            .vertices(vertices)
+            .positions(positions)
+            .normals(normals)
+            .tangents(tangents)
+            .run()
     }
 
     fn shapes(&mut self, skin: Skin<'_>) -> Result<(), CallError> {
         let at = self.place(Resource::Weights, "weights");
         let weights: &[f32] = &self.take::<f32>(Resource::Weights, at, skin.shape_len());
         let ([positions, normals, tangents], vertices) = self.outputs();
-        ShapesJob { skin, weights, vertices, positions, normals, tangents }.run()
+        ShapesJob::new(skin, weights)
+            .vertices(vertices)
+            .positions(positions)
+            .normals(normals)
+            .tangents(tangents)
+            .run()
     }
 
     fn filter(&mut self, filter: &Filter<'_>) -> Result<(), CallError> {
@@ -332,7 +347,7 @@ impl Instance<'_, '_> {
         };
         let places = ["positions", "normals", "tangents"].map(place);
         let out = cells(&mut self.batch.buffers[Resource::Out as usize]);
-        let output = |(start, stride)| Output { floats: &out[start..], stride };
+        let output = |(start, stride)| Output::shared(&out[start..], stride);
         (places.map(|place| place.map(output)), vertices)
     }
 }

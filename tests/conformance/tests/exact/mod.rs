@@ -14,8 +14,8 @@ use faer::Mat;
 use nalgebra::{Matrix3, Matrix3x4};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Certificate;
+use sinew_runtime::{Envelope, Model};
 use sinew_trainer::envelope::correction::Search;
 use sinew_trainer::envelope::correction::joint_sets::JointSets;
 use sinew_trainer::envelope::fitted::Fitted;
@@ -170,7 +170,7 @@ fn a_file_evaluates_as_it_was_fitted() {
 fn evaluates_as_fitted(examples: &Examples, training: &Training, fitted: &Fitted) {
     let bytes = fitted.file_model(training, Certificate::default()).bake().unwrap();
     let model = Model::from_bytes(bytes).unwrap();
-    let oracle = EnvelopeModel::from_file(&model.envelope().unwrap());
+    let oracle = EnvelopeModel::from_file(&model.first::<Envelope>().unwrap());
     let frames: Vec<_> = (0..examples.frame_len()).collect();
     let (poses, _) = training.view(examples, &frames);
     let expected = fitted.envelope.palettes(&poses);

@@ -24,8 +24,8 @@ fn read_back(golden: Golden) {
         let offset = section.bytes.as_ptr().addr() - bytes.as_ptr().addr();
         assert!(offset.is_multiple_of(ALIGNMENT), "sections are aligned in the file");
     }
-    read_back_envelope(&parts.envelopes[0], model.envelope_named("golden").unwrap());
-    let skin = model.skin_named("golden skin").unwrap();
+    read_back_envelope(&parts.envelopes[0], model.named::<Envelope>("golden").unwrap());
+    let skin = model.named::<Skin>("golden skin").unwrap();
     read_back_skin(&parts.skins[0], skin);
     assert_eq!(model.envelope_of(&skin).map(|found| found.part()), Some(0));
 }

@@ -1,8 +1,8 @@
 //! Baked shapes, as the crate `models` writes them.
 
 use ::models::{Pieces, SMALL, Shape, ShapeContent};
-use sinew_runtime::Model;
 use sinew_runtime::format::{Element, SectionKind, Space};
+use sinew_runtime::{Model, Skin};
 use sinew_trainer::envelope::model::{FileModel, ShapeNumbers, SkinModel};
 
 /// The crate `models` writes equal bytes for equal shapes.
@@ -38,7 +38,7 @@ fn shapes_are_baked_as_the_maker_of_models_writes_them() {
         let mut pieces = Pieces::loose(Shape { vertices: V, ..SMALL });
         pieces.set_shapes(&content);
         let expected = Model::from_bytes(pieces.bytes()).unwrap();
-        let mut skin = SkinModel::from_file(&expected.skin().unwrap());
+        let mut skin = SkinModel::from_file(&expected.first::<Skin>().unwrap());
         skin.shapes.numbers = numbers;
         let file = FileModel {
             space: Space::default(),

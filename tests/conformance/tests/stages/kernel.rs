@@ -9,8 +9,8 @@ use conformance::kernels::{KernelSubject, QUERIES, kernels};
 use conformance::stages::kernel::body;
 use conformance::tolerance::{self, Arithmetic};
 use models::{KernelContent, Pieces};
-use sinew_runtime::Model;
 use sinew_runtime::kernel::Kernel;
+use sinew_runtime::{KernelMap, Model};
 use std::cell::Cell;
 
 const IEEE: Arithmetic = Arithmetic::IEEE;
@@ -80,7 +80,7 @@ fn passes_with(other: &[u8]) -> (bool, usize) {
     let bytes = file(|_| {});
     let subject = KernelSubject::new(&bytes, QUERIES);
     let model = Model::from_bytes(other).expect("a kernel loads");
-    let kernel = model.kernel().expect("it holds a kernel");
+    let kernel = model.first::<KernelMap>().expect("it holds a kernel");
     let wrong = altered(
         |step: Step<'_>| {
             let Step::Kernel { queries, out, confidences } = step else { return };

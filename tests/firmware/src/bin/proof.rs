@@ -5,22 +5,20 @@
 use core::hint::black_box;
 use firmware::say;
 use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::{
-    Certificate, EnvelopeCounts, EnvelopeLayout, GroupRow, Predictor, ScratchLayout,
-};
-use sinew_runtime::filter::{FilterCounts, FilterFit, FilterLayout, Samples};
+use sinew_runtime::envelope::{Certificate, EnvelopeCounts, GroupRow, Predictor, ScratchLayout};
+use sinew_runtime::filter::{FilterCounts, FilterFit, Samples};
 use sinew_runtime::format::{
     Axis, Element, FileId, PartKind, PartRow, SectionKind, SectionRow, checksum,
 };
 use sinew_runtime::kernel::{
-    EulerOrder, InputKind, InputRow, Kernel, KernelCounts, KernelFit, KernelLayout, KernelRule,
-    OutputKind, OutputRow,
+    EulerOrder, InputKind, InputRow, Kernel, KernelCounts, KernelFit, KernelRule, OutputKind,
+    OutputRow,
 };
-use sinew_runtime::prior::{Anchor, PriorCounts, PriorLayout, Temporal};
-use sinew_runtime::skin::{NormalErrors, Output, Rest, ShapeErrors, SkinCounts, SkinLayout, cells};
+use sinew_runtime::prior::{Anchor, PriorCounts, Temporal};
+use sinew_runtime::skin::{NormalErrors, Output, ShapeErrors, SkinCounts};
 use sinew_runtime::{
-    CallError, Envelope, Filter, KernelMap, Limits, LocalTransform, Matrix3x4, Model, Pin, PinJob,
-    Pins, Prior, ShapesJob, Skin, SkinJob, Workspace, gather_pose, model_space_pose, stages,
+    CallError, Envelope, Filter, KernelMap, Limits, LocalTransform, Matrix3x4, Model, PartLayout,
+    Pin, PinJob, Pins, Prior, ShapesJob, Skin, SkinJob, gather_pose, model_space_pose, stages,
 };
 
 firmware::image!(run);
@@ -37,48 +35,47 @@ fn run() -> bool {
     };
     tables(&model);
     let name = core::str::from_utf8(bytes).unwrap_or_default();
-    let first = [model.envelope(), model.envelope_named(name)].into_iter().flatten();
-    for envelope in first.chain(model.envelopes()) {
+    let first = [model.first::<Envelope>(), model.named::<Envelope>(name)].into_iter().flatten();
+    for envelope in first.chain(model.all::<Envelope>()) {
         of_envelope(envelope);
-        let kept: EnvelopeLayout = envelope.layout();
-        black_box(kept.counts());
-        if let Some(envelope) = kept.open(some(&[])) {
+        let kept: PartLayout = envelope.layout();
+        if let Some(envelope) = kept.open::<Envelope>(some(&[])) {
             of_envelope(envelope);
         }
     }
-    for skin in [model.skin(), model.skin_named(name)].into_iter().flatten().chain(model.skins()) {
+    for skin in [model.first::<Skin>(), model.named::<Skin>(name)]
+        .into_iter()
+        .flatten()
+        .chain(model.all::<Skin>())
+    {
         black_box(model.envelope_of(&skin).is_some());
         of_skin(skin);
-        let kept: SkinLayout = skin.layout();
-        black_box(kept.counts());
-        if let Some(skin) = kept.open(some(&[])) {
+        let kept: PartLayout = skin.layout();
+        if let Some(skin) = kept.open::<Skin>(some(&[])) {
             of_skin(skin);
         }
     }
-    let first = [model.kernel(), model.kernel_named(name)].into_iter().flatten();
-    for kernel in first.chain(model.kernels()) {
+    let first = [model.first::<KernelMap>(), model.named::<KernelMap>(name)].into_iter().flatten();
+    for kernel in first.chain(model.all::<KernelMap>()) {
         of_kernel(kernel);
-        let kept: KernelLayout = kernel.layout();
-        black_box(kept.counts());
-        if let Some(kernel) = kept.open(some(&[])) {
+        let kept: PartLayout = kernel.layout();
+        if let Some(kernel) = kept.open::<KernelMap>(some(&[])) {
             of_kernel(kernel);
         }
     }
-    let first = [model.prior(), model.prior_named(name)].into_iter().flatten();
-    for prior in first.chain(model.priors()) {
+    let first = [model.first::<Prior>(), model.named::<Prior>(name)].into_iter().flatten();
+    for prior in first.chain(model.all::<Prior>()) {
         if let Some(skin) = model.skin_of(&prior) {
             tell(pinned(prior, skin));
         }
-        let kept: PriorLayout = prior.layout();
-        black_box(kept.counts());
-        black_box(kept.open(some(&[])).is_some());
+        let kept: PartLayout = prior.layout();
+        black_box(kept.open::<Prior>(some(&[])).is_some());
     }
-    let first = [model.filter(), model.filter_named(name)].into_iter().flatten();
-    for filter in first.chain(model.filters()) {
+    let first = [model.first::<Filter>(), model.named::<Filter>(name)].into_iter().flatten();
+    for filter in first.chain(model.all::<Filter>()) {
         of_filter(filter);
-        let kept: FilterLayout = filter.layout();
-        black_box(kept.counts());
-        if let Some(filter) = kept.open(some(&[])) {
+        let kept: PartLayout = filter.layout();
+        if let Some(filter) = kept.open::<Filter>(some(&[])) {
             of_filter(filter);
         }
     }
@@ -242,7 +239,7 @@ fn groups(envelope: Envelope<'_>) {
 
 fn evaluate(envelope: Envelope<'_>) -> Result<(), CallError> {
     let local = some::<LocalTransform>(&[]);
-    let mut own = Workspace::<4>::new();
+    let mut own = [0.0; 4];
     let (pose, palette) = (some_mut::<Matrix3x4>(&mut []), some_mut::<Matrix3x4>(&mut []));
     let (map, curves) = (some_mut::<u32>(&mut []), some::<f32>(&[]));
     let _ = black_box(envelope.bind_joints(some::<&[u8]>(&[]), map)?);
@@ -251,6 +248,7 @@ fn evaluate(envelope: Envelope<'_>) -> Result<(), CallError> {
     black_box(envelope.check_pose(pose, curves).is_ok());
     model_space_pose(&envelope, local, pose)?;
     black_box(envelope.palette(pose, curves, some_mut(&mut own), palette)?);
+    black_box(envelope.base_palette(pose, curves, some_mut(&mut own), palette)?);
     black_box(envelope.rotational_palette(pose, some_mut(&mut own), palette)?);
     envelope.palettes(pose, curves, some_mut(&mut own), palette, some_mut(&mut []))
 }
@@ -341,20 +339,11 @@ fn pinned(prior: Prior<'_>, skin: Skin<'_>) -> Result<(), CallError> {
 /// Applies shapes to vertices and computes bounds.
 fn shaped(skin: Skin<'_>) -> Result<(), CallError> {
     let weights = some::<f32>(&[]);
-    let floats = cells(some_mut(&mut []));
-    let attribute = || {
-        let floats = black_box(floats.get(index()..).unwrap_or_default());
-        black_box(Some(Output { floats, stride: index() }))
-    };
-    ShapesJob {
-        skin,
-        weights,
-        vertices: index()..index(),
-        positions: attribute(),
-        normals: attribute(),
-        tangents: attribute(),
-    }
-    .run()?;
+    let offsets = [index(), index(), index()];
+    let [positions, normals, tangents] =
+        Output::interleaved(some_mut(&mut []), index(), offsets).map(|own| black_box(Some(own)));
+    let job = ShapesJob::new(skin, weights).vertices(index()..index());
+    job.positions(positions).normals(normals).tangents(tangents).run()?;
     black_box(skin.shaped_bounds(some(&[]), weights)?);
     Ok(())
 }
@@ -365,25 +354,15 @@ fn skinned(skin: Skin<'_>) -> Result<(), CallError> {
     let bounds = skin.bounds(palette, black_box(0.5))?;
     black_box(bounds.map(|bounds| bounds.contains(black_box([0.0; 3]))));
     skin.skin_positions(palette, some_mut(&mut []))?;
-    let floats = cells(some_mut(&mut []));
-    let attribute = || {
-        let floats = black_box(floats.get(index()..).unwrap_or_default());
-        black_box(Some(Output { floats, stride: index() }))
-    };
-    let rest = Rest {
-        positions: black_box(Some(some(&[]))),
-        normals: black_box(Some(some(&[]))),
-        tangents: black_box(Some(some(&[]))),
-    };
-    SkinJob {
-        skin,
-        palette,
-        vertices: index()..index(),
-        remap: black_box(Some(some(&[]))),
-        rest,
-        positions: attribute(),
-        normals: attribute(),
-        tangents: attribute(),
+    let offsets = [index(), index(), index()];
+    let [positions, normals, tangents] =
+        Output::interleaved(some_mut(&mut []), index(), offsets).map(|own| black_box(Some(own)));
+    let mut job = SkinJob::new(skin, palette).vertices(index()..index());
+    if black_box(true) {
+        job = job.remap(some(&[]));
     }
-    .run()
+    if black_box(true) {
+        job = job.rest_positions(some(&[])).rest_normals(some(&[])).rest_tangents(some(&[]));
+    }
+    job.positions(positions).normals(normals).tangents(tangents).run()
 }

@@ -1,8 +1,8 @@
 //! Multiplies the sample rate of a sensor's signal by four, one block at a time: a filter in flash.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
-use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
+use sinew_runtime::{Filter, Model};
 
 firmware::image!(run);
 firmware::may_panic!();
@@ -21,7 +21,7 @@ fn run() -> bool {
 fn block() -> Option<()> {
     // Once: loading checks the whole file.
     let model = Model::from_bytes(MODEL).ok()?;
-    let filter = model.filter_named("sensor")?;
+    let filter = model.named::<Filter>("sensor")?;
     let mut fine = [0.0; FACTOR * BLOCK];
 
     // Each block: here sample k is k². The two samples at either end have fewer neighbours, so

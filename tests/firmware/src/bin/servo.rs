@@ -2,8 +2,7 @@
 //! output.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
-use sinew_runtime::kernel::KernelCounts;
-use sinew_runtime::{Model, Workspace};
+use sinew_runtime::{KernelMap, Model};
 
 firmware::image!(run);
 firmware::may_panic!();
@@ -11,17 +10,8 @@ firmware::may_panic!();
 /// In flash: read in place, never copied.
 static MODEL: &[u8] = include_bytes!("../../../golden/kernel-9-servo.snw");
 
-/// Largest kernel that fits in this firmware.
-const ROOM: KernelCounts = KernelCounts {
-    input_len: 3,
-    output_len: 1,
-    feature_len: 4,
-    metric_len: 0,
-    centre_len: 32,
-    term_len: 5,
-    value_len: 1,
-    variance_len: 0,
-};
+/// Floats of scratch; `sinew inspect` prints the kernel's.
+const SCRATCH: usize = 64;
 
 fn run() -> bool {
     step().is_some()
@@ -30,8 +20,8 @@ fn run() -> bool {
 fn step() -> Option<()> {
     // Once: loading checks the whole file.
     let model = Model::from_bytes(MODEL).ok()?;
-    let servo = model.kernel_named("servo")?;
-    let mut scratch = Workspace::<{ ROOM.scratch_len() }>::new();
+    let servo = model.named::<KernelMap>("servo")?;
+    let mut scratch = [0.0; SCRATCH];
 
     // Each step: two levers, and the wrist's rotation as a quaternion of any length. The output
     // stays within the servo's range, which the file states.

@@ -1,4 +1,4 @@
-//! Calls the functions of `size_all`, for skins with tangent coefficients.
+//! Calls the functions of `size_all`, with normals and tangents.
 #![cfg_attr(any(target_os = "none", target_family = "wasm"), no_std, no_main)]
 
 use core::hint::black_box;

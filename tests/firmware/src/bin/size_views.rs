@@ -3,7 +3,7 @@
 
 use core::hint::black_box;
 use sinew_runtime::views::RenderScratch;
-use sinew_runtime::{Frame, FrameJob, Model, RenderJob};
+use sinew_runtime::{Frame, FrameJob, Model, RenderJob, Views};
 
 firmware::image!(run);
 
@@ -13,26 +13,18 @@ fn run() -> bool {
 }
 
 fn picture(model: &Model<&[u8]>) -> Option<()> {
-    let views = model.views()?;
+    let views = model.first::<Views>()?;
     let map = model.map_of(&views, black_box(0))?;
     let (parameters, scratch) = black_box::<(&[f32], &mut [f32])>((&[], &mut []));
     let (points, visibility) = black_box::<(&mut [[f32; 3]], &mut [f32])>((&mut [], &mut []));
     let (scores, layers) = black_box::<(&mut [f32], &mut [[f32; 2]])>((&mut [], &mut []));
-    let frame = Frame {
-        points: &mut *points,
-        visibility: &mut *visibility,
-        scores: &mut *scores,
-        layers: &mut *layers,
-    };
-    black_box(FrameJob { views, map, parameters }.run(scratch, frame).ok()?);
-    let job = RenderJob { views, points, visibility, scores, layers, width: black_box(0) };
-    let scratch = RenderScratch {
-        vertices: black_box(&mut []),
-        order: black_box(&mut []),
-        depths: black_box(&mut []),
-        group: black_box(&mut []),
-        clips: black_box(&mut []),
-    };
+    let mut frame = Frame::new(points, visibility, scores, layers);
+    black_box(FrameJob::new(views, map, parameters).run(scratch, &mut frame).ok()?);
+    let job = RenderJob::new(views, &frame, black_box(0));
+    let mut scratch = RenderScratch::new(black_box(&mut []), black_box(&mut []));
+    scratch.depths = black_box(&mut []);
+    scratch.group = black_box(&mut []);
+    scratch.clips = black_box(&mut []);
     black_box(job.run(scratch, black_box::<&mut [[u8; 4]]>(&mut [])).ok()?);
     Some(())
 }

@@ -102,12 +102,7 @@ impl Arena {
         // More than any one call returns.
         let ways = frame.ways.iter().map(|way| way.scratch_len + way.found.len());
         let results = sinew_model_bytes()
-            + sinew_envelope_bytes()
-            + sinew_skin_bytes()
-            + sinew_kernel_bytes()
-            + sinew_prior_bytes()
-            + sinew_views_bytes()
-            + sinew_filter_bytes()
+            + 6 * sinew_part_bytes()
             + frame.filter.as_ref().map_or(0, FilterCase::result_bytes)
             + frame.prior.as_ref().map_or(0, PriorCase::result_bytes)
             + frame.views.as_ref().map_or(0, ViewsCase::result_bytes)
@@ -121,12 +116,12 @@ impl Arena {
         let mut arena = Self {
             memory: Vec::new(),
             model: place(sinew_model_bytes()),
-            envelope: place(sinew_envelope_bytes()),
-            skin: place(sinew_skin_bytes()),
-            kernel: place(sinew_kernel_bytes()),
-            prior: place(sinew_prior_bytes()),
-            views: place(sinew_views_bytes()),
-            filter: place(sinew_filter_bytes()),
+            envelope: place(sinew_part_bytes()),
+            skin: place(sinew_part_bytes()),
+            kernel: place(sinew_part_bytes()),
+            prior: place(sinew_part_bytes()),
+            views: place(sinew_part_bytes()),
+            filter: place(sinew_part_bytes()),
             file: place(file.len()),
             other: place(if since == Since::Reloaded { other.len() } else { 0 }),
             local: place(size_of_val(&*frame.local)),
@@ -209,45 +204,23 @@ impl Arena {
         let refusal = self.frame.refusal.map_or(sinew_status::Ok, |error| error.status);
         assert_eq!(self.load(self.file.clone()), refusal, "C and Rust do not agree on a file");
         let model = self.at(self.model.start);
-        let (place, bytes) = (self.at(self.envelope.start), self.envelope.len());
-        let (mut envelope, error) = (null(), null_mut());
-        // SAFETY: places of the arena with their lengths; the place of the model is blank or holds
-        // one.
-        let opened = unsafe {
-            let out = &raw mut envelope;
-            sinew_envelope_open(model, null(), 0, 0, place, bytes, out, error)
-        };
-        assert_eq!(opened == sinew_status::Ok, self.frame.has_envelope, "{opened:?}");
-        let (place, bytes) = (self.at(self.skin.start), self.skin.len());
-        let mut skin = null();
-        // SAFETY: the same.
-        let opened =
-            unsafe { sinew_skin_open(model, null(), 0, 0, place, bytes, &raw mut skin, error) };
-        assert_eq!(opened == sinew_status::Ok, self.frame.has_skin, "{opened:?}");
-        let (place, bytes) = (self.at(self.kernel.start), self.kernel.len());
-        let mut kernel = null();
-        // SAFETY: the same.
-        let opened =
-            unsafe { sinew_kernel_open(model, null(), 0, 0, place, bytes, &raw mut kernel, error) };
-        assert_eq!(opened == sinew_status::Ok, self.frame.has_kernel, "{opened:?}");
-        let (place, bytes) = (self.at(self.prior.start), self.prior.len());
-        let mut prior = null();
-        // SAFETY: the same.
-        let opened =
-            unsafe { sinew_prior_open(model, null(), 0, 0, place, bytes, &raw mut prior, error) };
-        assert_eq!(opened == sinew_status::Ok, self.frame.prior.is_some(), "{opened:?}");
-        let (place, bytes) = (self.at(self.views.start), self.views.len());
-        let mut views = null();
-        // SAFETY: the same.
-        let opened =
-            unsafe { sinew_views_open(model, null(), 0, 0, place, bytes, &raw mut views, error) };
-        assert_eq!(opened == sinew_status::Ok, self.frame.views.is_some(), "{opened:?}");
-        let (place, bytes) = (self.at(self.filter.start), self.filter.len());
-        let mut filter = null();
-        // SAFETY: the same.
-        let opened =
-            unsafe { sinew_filter_open(model, null(), 0, 0, place, bytes, &raw mut filter, error) };
-        assert_eq!(opened == sinew_status::Ok, self.frame.filter.is_some(), "{opened:?}");
+        use sinew_part_kind as Kind;
+        for (kind, place, is_there) in [
+            (Kind::Envelope, self.envelope.clone(), self.frame.has_envelope),
+            (Kind::Skin, self.skin.clone(), self.frame.has_skin),
+            (Kind::Kernel, self.kernel.clone(), self.frame.has_kernel),
+            (Kind::Prior, self.prior.clone(), self.frame.prior.is_some()),
+            (Kind::Views, self.views.clone(), self.frame.views.is_some()),
+            (Kind::Filter, self.filter.clone(), self.frame.filter.is_some()),
+        ] {
+            let (place, bytes) = (self.at(place.start), place.len());
+            // SAFETY: places of the arena with their lengths; the place of the model is blank or holds
+            // one.
+            let opened = unsafe {
+                sinew_part_open(model, kind as u32, null(), 0, 0, place, bytes, null_mut())
+            };
+            assert_eq!(opened == sinew_status::Ok, is_there, "{kind:?}: {opened:?}");
+        }
     }
 
     /// Loads the model.

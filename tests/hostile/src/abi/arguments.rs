@@ -325,8 +325,7 @@ impl Call<'_, '_> {
         is_wrong: bool,
         argument: Argument,
     ) -> Result<(*mut f32, usize)> {
-        // Outputs of a job may overlap each other, so an output may start in an input and end after
-        // it.
+        // An output may start in an input and end after it.
         let end = self.arena.len();
         let over = if self.one_in(16)? { self.over(place.len(), 4, end)? } else { None };
         let (at, len) = match over {

@@ -6,7 +6,7 @@ use sinew_runtime::prior::{Anchor, Edit, PriorCounts, Temporal};
 use sinew_runtime::views::{Drawn, Found, RenderScratch};
 use sinew_runtime::{
     CallError, Filter, Frame, FrameJob, Matrix3x4, Model, Pin, PinJob, Pins, Prior, RenderJob,
-    Views,
+    Skin, Views,
 };
 
 /// Largest arguments of a call: signals, samples outside the window, lanes.
@@ -99,7 +99,9 @@ impl PinArguments {
     ) -> Result<(Vec<f32>, Edit), CallError> {
         let nothing = Ok((Vec::new(), Edit::default()));
         let Ok(model) = Model::from_bytes(file) else { return nothing };
-        let Some((prior, skin)) = model.prior().zip(model.skin()) else { return nothing };
+        let Some((prior, skin)) = model.first::<Prior>().zip(model.first::<Skin>()) else {
+            return nothing;
+        };
         let mut pins = Pins::<SINEW_PINS_MAX>::new();
         for pin in &self.pins {
             let sinew_pin { vertex, rows, target, stiffness } = *pin;
@@ -226,13 +228,13 @@ impl FrameArguments {
     /// The refusal of the runtime.
     pub(super) fn frame(&self, file: &[u8]) -> Result<Option<FrameResult>, CallError> {
         let Ok(model) = Model::from_bytes(file) else { return Ok(None) };
-        let Some(views) = model.views() else { return Ok(None) };
+        let Some(views) = model.first::<Views>() else { return Ok(None) };
         let Some(map) = model.map_of(&views, self.map) else { return Ok(None) };
         let mut points = vec![[f32::NAN; 3]; views.point_len()];
         let mut visibility = vec![f32::NAN; views.point_len()];
         let mut scores = vec![f32::NAN; views.view_len()];
         let mut layers = vec![[f32::NAN; 2]; views.layer_len()];
-        let out = Frame {
+        let mut out = Frame {
             points: &mut points,
             visibility: &mut visibility,
             scores: &mut scores,
@@ -240,7 +242,7 @@ impl FrameArguments {
         };
         let mut scratch = vec![f32::NAN; views.counts().frame_scratch_len(&map.counts())];
         let parameters = &self.parameters;
-        let found = FrameJob { views, map, parameters }.run(&mut scratch, out)?;
+        let found = FrameJob { views, map, parameters }.run(&mut scratch, &mut out)?;
         Ok(Some(FrameResult { points, visibility, scores, layers, found }))
     }
 }
@@ -257,7 +259,7 @@ impl PictureArguments {
         pixels: &mut [[u8; 4]],
     ) -> Result<Option<Drawn>, CallError> {
         let Ok(model) = Model::from_bytes(file) else { return Ok(None) };
-        let Some(views) = model.views() else { return Ok(None) };
+        let Some(views) = model.first::<Views>() else { return Ok(None) };
         let ViewsCase { visibility, scores, vertex_len, order_len, .. } = own;
         let &Self { ref points, ref layers, width } = self;
         let job = RenderJob { views, points, visibility, scores, layers, width };

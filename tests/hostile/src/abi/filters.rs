@@ -3,32 +3,20 @@
 use super::arena::bytes;
 use super::call::Call;
 use super::expected::SAMPLES_MAX;
-use super::shared::{unknown, wanted};
+use super::shared::unknown;
 use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
-use sinew_runtime::Model;
 use sinew_runtime::filter::Samples;
+use sinew_runtime::{Filter, Model};
 
 use sinew_argument as Argument;
 use sinew_status as Status;
 
-pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let own = call.arena.frame.filter.as_ref().map(|filter| filter.name.clone());
-    let model = call.model()?;
-    let (is_there, own) = (own.is_some(), own.unwrap_or_default());
-    let (name, name_len, index) = wanted(call, is_there, own, Argument::Filter)?;
-    let (memory, bytes) = call.memory(sinew_filter_bytes())?;
-    let out = call.output_one(Argument::Result)?;
-    let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`.
-    Ok(unsafe { sinew_filter_open(model, name, name_len, index, memory, bytes, out, error) })
-}
-
 pub(super) fn describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (filter, out) = (call.filter()?, call.output_one(Argument::Result)?);
     let error = call.ready(unknown);
-    // SAFETY: as above.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_filter_describe(filter, out, error) })
 }
 
@@ -57,7 +45,7 @@ pub(super) fn apply(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (out, out_len) = call.output_exact(factor * len, factor * len, Argument::Outputs)?;
     let right = call.by_runtime(|arena| {
         let Ok(model) = Model::from_bytes(arena.file_bytes()) else { return Ok(Vec::new()) };
-        let Some(filter) = model.filter() else { return Ok(Vec::new()) };
+        let Some(filter) = model.first::<Filter>() else { return Ok(Vec::new()) };
         let mut fine = vec![f32::NAN; factor * len];
         filter.apply(shape, &samples, &mut fine)?;
         Ok(bytes(fine))

@@ -3,11 +3,13 @@
 use super::expected::{FilterCase, PriorCase, ViewsCase};
 use crate::parts::query;
 use crate::poses;
+use models::{Rest, cells};
 use sinew_capi::sinew_error;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::skin::{Bounds, Output, Rest, SkinLayout, cells};
+use sinew_runtime::skin::{Bounds, Output};
 use sinew_runtime::{
-    CallError, Envelope, KernelMap, LocalTransform, Matrix3x4, Model, ShapesJob, Skin, SkinJob,
+    CallError, Envelope, Filter, KernelMap, LocalTransform, Matrix3x4, Model, PartLayout, Prior,
+    ShapesJob, Skin, SkinJob, Views,
 };
 use std::ops::Range;
 
@@ -31,7 +33,7 @@ pub(super) struct Frame {
     pub(super) confidence: f32,
 
     pub(super) skin_name: String,
-    layout: Option<SkinLayout>,
+    layout: Option<PartLayout>,
     pub(super) vertex_len: usize,
     pub(super) influence_len: usize,
     pub(super) range_len: usize,
@@ -89,10 +91,10 @@ impl Frame {
             Err(error) => return Self { refusal: Some(error.into()), ..Self::default() },
         };
         let mut frame = Self::default();
-        if let Some(envelope) = model.envelope() {
+        if let Some(envelope) = model.first::<Envelope>() {
             frame.add_envelope(&envelope, pose_number);
         }
-        if let Some(skin) = model.skin() {
+        if let Some(skin) = model.first::<Skin>() {
             let envelope = model.envelope_of(&skin);
             let palette = envelope.map(|envelope| {
                 let local = poses::local(&envelope, pose_number);
@@ -101,12 +103,13 @@ impl Frame {
             });
             frame.add_skin(&skin, palette.unwrap_or_default());
         }
-        if let Some(map) = model.kernel() {
+        if let Some(map) = model.first::<KernelMap>() {
             frame.add_kernel(&map, pose_number);
         }
-        frame.prior = model.prior().map(|prior| PriorCase::new(&prior));
-        frame.views = model.views().map(|views| ViewsCase::new(&model, &views, pose_number));
-        frame.filter = model.filter().map(|filter| FilterCase::new(&filter));
+        frame.prior = model.first::<Prior>().map(|prior| PriorCase::new(&prior));
+        frame.views =
+            model.first::<Views>().map(|views| ViewsCase::new(&model, &views, pose_number));
+        frame.filter = model.first::<Filter>().map(|filter| FilterCase::new(&filter));
         frame
     }
 
@@ -175,27 +178,27 @@ impl Frame {
     /// # Panics
     /// If the runtime refuses the job.
     pub(super) fn skin(&self, file: &[u8], arguments: &SkinArguments, floats: &mut [f32]) {
-        let Some(skin) = self.layout.and_then(|layout| layout.open(file)) else { return };
+        let Some(skin) = self.layout.and_then(|layout| layout.open::<Skin>(file)) else { return };
         let floats = cells(floats);
         let [positions, normals, tangents] = arguments.outputs.map(|output| {
             let (first, stride) = output?;
-            Some(Output { floats: floats.get(first..).unwrap_or_default(), stride })
+            Some(Output::shared(floats.get(first..).unwrap_or_default(), stride))
         });
         let [has_positions, has_normals, has_tangents] = arguments.has_rest;
-        let job = SkinJob {
-            skin,
-            palette: &self.skin_palette,
-            vertices: arguments.vertices.clone(),
-            remap: arguments.has_remap.then_some(&self.remap),
-            rest: Rest {
-                positions: has_positions.then_some(&self.rest_positions),
-                normals: has_normals.then_some(&self.rest_normals),
-                tangents: has_tangents.then_some(&self.rest_tangents),
-            },
-            positions,
-            normals,
-            tangents,
+        let rest = Rest {
+            positions: has_positions.then_some(&self.rest_positions),
+            normals: has_normals.then_some(&self.rest_normals),
+            tangents: has_tangents.then_some(&self.rest_tangents),
         };
+        let mut job = rest.of(SkinJob::new(skin, &self.skin_palette));
+        if arguments.has_remap {
+            job = job.remap(&self.remap);
+        }
+        let job = job
+            .vertices(arguments.vertices.clone())
+            .positions(positions)
+            .normals(normals)
+            .tangents(tangents);
         if let Err(error) = job.run() {
             panic!("the runtime refuses a job without a fault: {error}");
         }
@@ -212,14 +215,18 @@ impl Frame {
         outputs: [Option<(usize, usize)>; 3],
         floats: &mut [f32],
     ) {
-        let Some(skin) = self.layout.and_then(|layout| layout.open(file)) else { return };
+        let Some(skin) = self.layout.and_then(|layout| layout.open::<Skin>(file)) else { return };
         let floats = cells(floats);
         let [positions, normals, tangents] = outputs.map(|output| {
             let (first, stride) = output?;
-            Some(Output { floats: floats.get(first..).unwrap_or_default(), stride })
+            Some(Output::shared(floats.get(first..).unwrap_or_default(), stride))
         });
         let weights = &self.weights;
-        let job = ShapesJob { skin, weights, vertices, positions, normals, tangents };
+        let job = ShapesJob::new(skin, weights)
+            .vertices(vertices)
+            .positions(positions)
+            .normals(normals)
+            .tangents(tangents);
         if let Err(error) = job.run() {
             panic!("the runtime refuses a job without a fault: {error}");
         }
@@ -227,13 +234,13 @@ impl Frame {
 
     /// Computes the bounds of the shaped skin.
     pub(super) fn shaped_bounds(&self, file: &[u8]) -> Option<Bounds> {
-        let skin = self.layout?.open(file)?;
+        let skin = self.layout?.open::<Skin>(file)?;
         skin.shaped_bounds(&self.skin_palette, &self.weights).ok()?
     }
 
     /// Computes the bounds of the skin.
     pub(super) fn bounds(&self, file: &[u8], rest_offset: f32) -> Option<Bounds> {
-        let skin = self.layout?.open(file)?;
+        let skin = self.layout?.open::<Skin>(file)?;
         skin.bounds(&self.skin_palette, rest_offset).ok()?
     }
 }

@@ -23,22 +23,21 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions and their names.
-pub(super) const FUNCTIONS: [(&str, Function); 57] = [
+pub(super) const FUNCTIONS: [(&str, Function); 51] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
     ("sinew_model_blob", blob),
     ("sinew_model_section", section),
-    ("sinew_envelope_open", envelope_open),
+    ("sinew_part_open", part_open),
     ("sinew_envelope_describe", envelope_describe),
     ("sinew_envelope_joint", joint),
     ("sinew_envelope_curve", curve),
-    ("sinew_envelope_order", order),
     ("sinew_envelope_pose", pose),
     ("sinew_envelope_palette", palette),
     ("sinew_envelope_palettes", palettes),
     ("sinew_envelope_rotational_palette", rotational_palette),
-    ("sinew_envelope_palette_at", posed::palette_at),
+    ("sinew_envelope_base_palette", posed::base_palette),
     ("sinew_envelope_joint_confidences", posed::joint_confidences),
     ("sinew_envelope_rest_locals", posed::rest_locals),
     ("sinew_envelope_bind", posed::bind),
@@ -50,7 +49,6 @@ pub(super) const FUNCTIONS: [(&str, Function); 57] = [
     ("sinew_skeleton_hash", posed::skeleton_hash),
     ("sinew_skin_mesh_hash", posed::skin_mesh_hash),
     ("sinew_mesh_hash", posed::mesh_hash),
-    ("sinew_skin_open", skin_open),
     ("sinew_skin_describe", skin_describe),
     ("sinew_skin_range", range),
     ("sinew_skin_rest_positions", rest_positions),
@@ -62,23 +60,19 @@ pub(super) const FUNCTIONS: [(&str, Function); 57] = [
     ("sinew_skin_shape", shapes::shape),
     ("sinew_shapes_run", shapes::run),
     ("sinew_shapes_bounds", shapes::bounds),
-    ("sinew_kernel_open", kernels::open),
     ("sinew_kernel_describe", kernels::describe),
     ("sinew_kernel_input", kernels::input),
     ("sinew_kernel_output", kernels::output),
     ("sinew_kernel_evaluate", kernels::evaluate),
     ("sinew_kernel_jacobian", kernels::jacobian),
     ("sinew_kernel_variance", kernels::variance),
-    ("sinew_prior_open", priors::open),
     ("sinew_prior_describe", priors::describe),
     ("sinew_skin_place", priors::place),
     ("sinew_pins_solve", priors::solve),
-    ("sinew_views_open", views::open),
     ("sinew_views_describe", views::describe),
     ("sinew_views_map", views::map),
     ("sinew_views_frame", views::frame),
     ("sinew_views_render", views::render),
-    ("sinew_filter_open", filters::open),
     ("sinew_filter_describe", filters::describe),
     ("sinew_filter_apply", filters::apply),
 ];
@@ -157,26 +151,29 @@ fn section(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_model_section(model, part, kind, out, error) })
 }
 
-fn envelope_open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (is_there, own) = (call.arena.frame.has_envelope, call.arena.frame.envelope_name.clone());
+fn part_open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    use sinew_part_kind as Kind;
+    let frame = &call.arena.frame;
+    let named = |has: bool, name: &str| has.then(|| name.to_owned());
+    let parts = [
+        (Kind::Envelope, named(frame.has_envelope, &frame.envelope_name), Argument::Envelope),
+        (Kind::Skin, named(frame.has_skin, &frame.skin_name), Argument::Skin),
+        (Kind::Kernel, named(frame.has_kernel, &frame.kernel_name), Argument::Kernel),
+        (Kind::Prior, frame.prior.as_ref().map(|own| own.name.clone()), Argument::Prior),
+        (Kind::Views, frame.views.as_ref().map(|own| own.name.clone()), Argument::Views),
+        (Kind::Filter, frame.filter.as_ref().map(|own| own.name.clone()), Argument::Filter),
+    ];
+    let (known, own, argument) = &parts[call.u.choose_index(parts.len())?];
+    let unknown_kind = call.one_in(8)?;
+    let kind = if unknown_kind { *call.u.choose(&[0, 7, u32::MAX])? } else { *known as u32 };
+    call.fault_if(unknown_kind, Status::OutOfRange, Argument::Kind);
     let model = call.model()?;
-    let (name, name_len, index) = wanted(call, is_there, own, Argument::Envelope)?;
-    let (memory, bytes) = call.memory(sinew_envelope_bytes())?;
-    let out = call.output_one(Argument::Result)?;
+    let (is_there, own) = (own.is_some(), own.clone().unwrap_or_default());
+    let (name, name_len, index) = wanted(call, is_there, own, *argument)?;
+    let (memory, bytes) = call.memory(sinew_part_bytes())?;
     let error = call.ready(unknown);
     // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_open(model, name, name_len, index, memory, bytes, out, error) })
-}
-
-fn skin_open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (is_there, own) = (call.arena.frame.has_skin, call.arena.frame.skin_name.clone());
-    let model = call.model()?;
-    let (name, name_len, index) = wanted(call, is_there, own, Argument::Skin)?;
-    let (memory, bytes) = call.memory(sinew_skin_bytes())?;
-    let out = call.output_one(Argument::Result)?;
-    let error = call.ready(unknown);
-    // SAFETY: as above.
-    Ok(unsafe { sinew_skin_open(model, name, name_len, index, memory, bytes, out, error) })
+    Ok(unsafe { sinew_part_open(model, kind, name, name_len, index, memory, bytes, error) })
 }
 
 fn envelope_describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
@@ -202,14 +199,6 @@ fn curve(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe { sinew_envelope_curve(envelope, curve, out, error) })
-}
-
-fn order(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let envelope = call.envelope()?;
-    let (out, out_len) = call.output(call.arena.frame.pose.len(), Argument::Order)?;
-    let error = call.ready(unknown);
-    // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_order(envelope, out, out_len, error) })
 }
 
 fn pose(call: &mut Call<'_, '_>) -> Result<sinew_status> {

@@ -2,7 +2,7 @@
 
 use super::arena::bytes;
 use super::call::Call;
-use super::shared::{optional, unknown, wanted};
+use super::shared::{optional, unknown};
 use arbitrary::Result;
 use sinew_capi::*;
 use std::ptr::null_mut;
@@ -10,21 +10,10 @@ use std::ptr::null_mut;
 use sinew_argument as Argument;
 use sinew_status as Status;
 
-pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let (is_there, own) = (call.arena.frame.has_kernel, call.arena.frame.kernel_name.clone());
-    let model = call.model()?;
-    let (name, name_len, index) = wanted(call, is_there, own, Argument::Kernel)?;
-    let (memory, bytes) = call.memory(sinew_kernel_bytes())?;
-    let out = call.output_one(Argument::Result)?;
-    let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`.
-    Ok(unsafe { sinew_kernel_open(model, name, name_len, index, memory, bytes, out, error) })
-}
-
 pub(super) fn describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (kernel, out) = (call.kernel()?, call.output_one(Argument::Result)?);
     let error = call.ready(unknown);
-    // SAFETY: as above.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_kernel_describe(kernel, out, error) })
 }
 

@@ -1,6 +1,5 @@
 //! Calls about a pose of the caller's skeleton: gather, check, scale, levels.
 
-use super::arena::{bytes, floats};
 use super::call::Call;
 use super::shared::{
     one_curves, one_pose, optional, optional_input, spoilt_curves, spoilt_pose, unknown,
@@ -34,7 +33,19 @@ pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let bound = optional(call, Argument::Result)?;
     let error = call.ready(unknown);
     // SAFETY: as above.
-    Ok(unsafe { sinew_envelope_bind(envelope, names, names_len, out, out_len, bound, error) })
+    Ok(unsafe {
+        sinew_envelope_bind(
+            envelope,
+            names,
+            names_len,
+            None,
+            null_mut(),
+            out,
+            out_len,
+            bound,
+            error,
+        )
+    })
 }
 
 pub(super) fn bind_curves(call: &mut Call<'_, '_>) -> Result<sinew_status> {
@@ -114,12 +125,9 @@ pub(super) fn palette_scale(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_palette_scale(palette, len, scale, error) })
 }
 
-pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+pub(super) fn base_palette(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let one = spoilt_pose(call)?;
     let (curves, curves_len) = spoilt_curves(call)?;
-    let (level, full) = (call.u.int_in_range(0..=3)?, sinew_level::Full as u32);
-    let is_level = level == full || level == sinew_level::Joints as u32;
-    call.fault_if(!is_level, Status::OutOfRange, Argument::Level);
     let (envelope, j) = (call.envelope()?, call.arena.frame.pose.len());
     let (pose, pose_len) = call.input(one, j, Argument::Pose)?;
     let p = call.arena.frame.palette.len();
@@ -127,17 +135,11 @@ pub(super) fn palette_at(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (scratch, scratch_len) = call.output(call.arena.frame.scratch_len, Argument::Scratch)?;
     let confidence =
         if call.one_in(4)? { null_mut() } else { optional(call, Argument::Confidences)? };
-    let error =
-        call.ready(
-            |arena| {
-                if level == full { bytes(floats(&arena.frame.palette)) } else { Vec::new() }
-            },
-        );
+    let error = call.ready(unknown);
     // SAFETY: as above.
     Ok(unsafe {
-        sinew_envelope_palette_at(
+        sinew_envelope_base_palette(
             envelope,
-            level,
             pose,
             pose_len,
             curves,
@@ -282,7 +284,7 @@ fn curve_names(file: &[u8]) -> Vec<Range<usize>> {
 /// Finds the places of some names of the first envelope in a file.
 fn places(file: &[u8], names: impl FnOnce(Envelope<'_>) -> Vec<&str>) -> Vec<Range<usize>> {
     let Ok(model) = Model::from_bytes(file) else { return Vec::new() };
-    let Some(envelope) = model.envelope() else { return Vec::new() };
+    let Some(envelope) = model.first::<Envelope>() else { return Vec::new() };
     let start = |name: &str| name.as_ptr().addr() - file.as_ptr().addr();
     names(envelope).into_iter().map(|name| start(name)..start(name) + name.len()).collect()
 }

@@ -3,31 +3,19 @@
 use super::arena::bytes;
 use super::call::Call;
 use super::expected::{FEW_PINS, PINS, PinArguments};
-use super::shared::{laid, optional, unknown, wanted};
+use super::shared::{laid, optional, unknown};
 use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
-use sinew_runtime::Model;
+use sinew_runtime::{Model, Skin};
 use std::ptr::{null, null_mut};
 
 use sinew_argument as Argument;
 
-pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let own = call.arena.frame.prior.as_ref().map(|prior| prior.name.clone());
-    let model = call.model()?;
-    let (is_there, own) = (own.is_some(), own.unwrap_or_default());
-    let (name, name_len, index) = wanted(call, is_there, own, Argument::Prior)?;
-    let (memory, bytes) = call.memory(sinew_prior_bytes())?;
-    let out = call.output_one(Argument::Result)?;
-    let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`.
-    Ok(unsafe { sinew_prior_open(model, name, name_len, index, memory, bytes, out, error) })
-}
-
 pub(super) fn describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (prior, out) = (call.prior()?, call.output_one(Argument::Result)?);
     let error = call.ready(unknown);
-    // SAFETY: as above.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_prior_describe(prior, out, error) })
 }
 
@@ -43,7 +31,7 @@ pub(super) fn place(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let out = call.output_one(Argument::Result)?;
     let error = call.ready(|arena| {
         let model = Model::from_bytes(arena.file_bytes()).ok();
-        let skin = model.as_ref().and_then(Model::skin);
+        let skin = model.as_ref().and_then(|model| model.first::<Skin>());
         let frame = &arena.frame;
         let place = skin.and_then(|skin| skin.place(vertex, &frame.skin_palette, &frame.weights));
         bytes(place.into_iter().flatten())

@@ -114,10 +114,31 @@ pub(super) fn laid<const N: usize>(results: [Vec<u8>; N]) -> Vec<u8> {
     out
 }
 
+/// Whether two outputs of `n` vertices share a float, or, if their strides differ, a range.
+fn overlap(a: (&sinew_output, usize), b: (&sinew_output, usize), n: usize) -> bool {
+    if n == 0 || a.0.floats.is_null() || b.0.floats.is_null() {
+        return false;
+    }
+    let vertex = |(output, own): (&sinew_output, usize), v: usize| {
+        let start = output.floats.addr() + 4 * v * output.stride;
+        start..start + 4 * own
+    };
+    let meet = |a: Range<usize>, b: Range<usize>| a.start < b.end && b.start < a.end;
+    if a.0.stride != b.0.stride {
+        let all = |output| vertex(output, 0).start..vertex(output, n - 1).end;
+        return meet(all(a), all(b));
+    }
+    (0..n).any(|v| meet(vertex(a, v), vertex(b, 0)) || meet(vertex(a, 0), vertex(b, v)))
+}
+
 /// Floats per vertex in the room of the outputs.
 pub(super) const FLOATS: usize = 12;
 
 pub(super) type Outputs = ([sinew_output; 3], [Option<(usize, usize)>; 3]);
+
+/// Attributes of outputs: their floats, and where they are in a vertex of the room.
+const ATTRIBUTES: [(usize, usize, Argument); 3] =
+    [(3, 0, Argument::Positions), (3, 3, Argument::Normals), (4, 6, Argument::Tangents)];
 
 /// Draws outputs: interleaved in one room, overlapping, missing, or at a wrong address. Also
 /// returns the first float and the stride of each output.
@@ -125,15 +146,15 @@ pub(super) fn outputs(call: &mut Call<'_, '_>, n: usize, has_tangents: bool) -> 
     let room = call.result_place(4 * FLOATS * n);
     let mut outputs = [sinew_output { floats: null_mut(), len: 0, stride: 0 }; 3];
     let mut requested = [None; 3];
-    for (i, (own, first, argument)) in
-        [(3, 0, Argument::Positions), (3, 3, Argument::Normals), (4, 6, Argument::Tangents)]
-            .into_iter()
-            .enumerate()
-    {
+    let common = call.u.int_in_range(4..=FLOATS - 2)?.max(call.u.int_in_range(4..=FLOATS - 2)?);
+    for (i, (own, first, argument)) in ATTRIBUTES.into_iter().enumerate() {
         if call.one_in(3)? || (own == 4 && !has_tangents && !call.one_in(8)?) {
             continue;
         }
-        let mut stride = call.u.int_in_range(own..=FLOATS - 2)?;
+        let mut stride = common;
+        if call.one_in(8)? {
+            stride = call.u.int_in_range(own..=FLOATS - 2)?;
+        }
         if call.one_in(16)? {
             stride = call.u.int_in_range(0..=own)?;
         }
@@ -150,6 +171,10 @@ pub(super) fn outputs(call: &mut Call<'_, '_>, n: usize, has_tangents: bool) -> 
         call.fault_if(!is_requested && stride > 0, Status::Null, argument);
         call.fault_if(is_requested && stride < own, Status::Stride, argument);
         call.fault_if(is_requested && own == 4 && !has_tangents, Status::NoAttribute, argument);
+    }
+    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+        let [a, b] = [i, j].map(|of| (&outputs[of], ATTRIBUTES[of].0));
+        call.fault_if(overlap(a, b, n), Status::Overlap, ATTRIBUTES[j].2);
     }
     let nothing = requested.iter().all(Option::is_none);
     call.fault_if(nothing, Status::NoOutput, Argument::Call);

@@ -3,7 +3,7 @@
 use super::arena::{BLANK, bytes};
 use super::call::Call;
 use super::expected::{FrameArguments, PIXELS, PictureArguments, ViewsCase};
-use super::shared::{laid, optional, unknown, wanted};
+use super::shared::{laid, optional, unknown};
 use crate::recipe;
 use arbitrary::Result;
 use sinew_capi::*;
@@ -15,22 +15,10 @@ use sinew_status as Status;
 /// Width of a picture.
 const WIDTH: usize = 12;
 
-pub(super) fn open(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    let own = call.arena.frame.views.as_ref().map(|views| views.name.clone());
-    let model = call.model()?;
-    let (is_there, own) = (own.is_some(), own.unwrap_or_default());
-    let (name, name_len, index) = wanted(call, is_there, own, Argument::Views)?;
-    let (memory, bytes) = call.memory(sinew_views_bytes())?;
-    let out = call.output_one(Argument::Result)?;
-    let error = call.ready(unknown);
-    // SAFETY: as for each call of `functions`.
-    Ok(unsafe { sinew_views_open(model, name, name_len, index, memory, bytes, out, error) })
-}
-
 pub(super) fn describe(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let (views, out) = (call.views()?, call.output_one(Argument::Result)?);
     let error = call.ready(unknown);
-    // SAFETY: as above.
+    // SAFETY: as for each call of `functions`.
     Ok(unsafe { sinew_views_describe(views, out, error) })
 }
 

@@ -4,7 +4,7 @@ use hostile::evaluate::evaluate_pose;
 use models::{GOLDEN, GOLDEN_STRETCH, Pieces, group_row};
 use sinew_runtime::envelope::{GroupConfidence, GroupRow, KEY_WORDS};
 use sinew_runtime::format::{CORRECTION_MAX, MAGNITUDE_MAX, SectionKind, TRAVEL_MAX};
-use sinew_runtime::{FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
+use sinew_runtime::{Envelope, FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
 
 const UNLIMITED: Limits = Limits {
     file_bytes: u32::MAX,
@@ -43,7 +43,7 @@ fn counted_content_must_exist_before_anything_is_read() {
     };
     for golden in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let model = Model::from_bytes(golden).unwrap();
-        let counts = model.envelope().unwrap().counts();
+        let counts = model.first::<Envelope>().unwrap().counts();
         let (predictor, curves) = (counts.predictor, u64::from(counts.curve_len));
         // Counts: predictor, J, P, root, G, floats of the correction, whether joints stretch, C.
         let envelope = |at, count| promised(golden, EnvelopeCounts, at, count);
@@ -199,7 +199,7 @@ fn the_largest_numbers_evaluate_to_finite_values() {
     for golden in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
         let file = largest(golden);
         let model = Model::from_bytes(file).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let scales: &[f32] = if envelope.stretches() { &[4.0, 1.0, 0.25] } else { &[1.0] };
         for (number, scale) in scales.iter().enumerate() {
             let pose = far(envelope.joint_len(), TRAVEL_MAX, *scale);
@@ -225,7 +225,7 @@ fn the_largest_numbers_evaluate_to_finite_values() {
 fn the_check_sees_what_is_not_finite() {
     let file = largest(GOLDEN[0]);
     let model = Model::from_bytes(file).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let pose = far(envelope.joint_len(), 1e25, 1.0);
     let seen = std::panic::catch_unwind(|| evaluate_pose(&model, &envelope, 0, &pose, &[]));
     let message = seen.unwrap_err();

@@ -1,8 +1,8 @@
 //! The C example on a Cortex-M4F: cross-compiled, linked with the M4F library, run in QEMU.
 
-use crate::compiled::{STRICT, bare_library, output, package, printed, readme, scratch};
+use crate::compiled::{BITS_C, STRICT, bare_library, output, package, printed, readme, scratch};
 use models::{GOLDEN_NAMES, golden_path};
-use sinew_runtime::Model;
+use sinew_runtime::{Envelope, Model, Skin};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -18,7 +18,7 @@ const PANICS: [&str; 3] = ["rust_begin_unwind", "core::panicking", "core::fmt"];
 
 #[test]
 fn the_m4f_has_the_bits_of_rust_and_no_panic() {
-    let image = link(&package().join("examples/skin.c"), "skin-m4f");
+    let image = link(Path::new(BITS_C), "skin-m4f");
     let names = output(Command::new("arm-none-eabi-nm").arg("-C").arg(&image), GCC);
     assert!(names.contains("sinew_envelope_palette"), "no names to search");
     assert!(PANICS.iter().all(|panic| !names.contains(panic)), "a panic is reachable");
@@ -33,7 +33,7 @@ fn the_m4f_has_the_bits_of_rust_and_no_panic() {
 fn the_readme_runs_on_the_m4f() {
     let file = std::fs::read(golden_path(GOLDEN_NAMES[0])).unwrap();
     let model = Model::from_bytes(&*file).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let (j, p, v) = (envelope.joint_len(), envelope.palette_len(), skin.vertex_len());
     let shown = readme("c", 1);
     let code = shown.replacen("JOINTS = 20", &format!("JOINTS = {j}"), 1);

@@ -1,4 +1,4 @@
-//! Compiles and runs the examples: with this machine's compilers, and on a Cortex-M4F.
+//! Compiles and runs C and C++: with this machine's compilers, and on a Cortex-M4F.
 
 mod cortex;
 mod host;
@@ -6,12 +6,21 @@ mod linked;
 mod parts;
 
 use models::Rng;
-use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{LocalTransform, Model, SkinJob, model_space_pose};
+use sinew_runtime::skin::Output;
+use sinew_runtime::{Envelope, LocalTransform, Model, Skin, SkinJob, model_space_pose};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const STRICT: [&str; 4] = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"];
+
+/// Programs that print hashes of all bits.
+const BITS_C: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/compiled/bits.c");
+const BITS_CPP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/compiled/bits.cpp");
+
+/// Returns the path of a program in `runtime/examples`.
+fn example(name: &str) -> PathBuf {
+    package().join("../examples").join(name)
+}
 
 fn package() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../runtime/capi"))
@@ -64,10 +73,10 @@ fn cargo(arguments: &[&str]) -> PathBuf {
     folder
 }
 
-/// Computes the output of the examples with the runtime; random numbers are those of the examples.
+/// Computes the output of `bits.c` and `bits.cpp` with the runtime, and their random numbers.
 fn printed(file: &[u8], poses: usize) -> String {
     let model = Model::from_bytes(file).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let (v, j, p) = (skin.vertex_len(), envelope.joint_len(), envelope.palette_len());
     let stride = if skin.has_tangents() { 10 } else { 6 };
     let mut scratch = vec![0.0; envelope.scratch_len()];
@@ -86,20 +95,13 @@ fn printed(file: &[u8], poses: usize) -> String {
         curves.iter_mut().for_each(|curve| *curve = random.unit() * turn);
         model_space_pose(&envelope, &local, &mut pose).unwrap();
         let confidence = envelope.palette(&pose, &curves, &mut scratch, &mut palette).unwrap();
-        let floats = cells(&mut vertices);
-        let output = |first: usize| Some(Output { floats: &floats[first..], stride });
-        SkinJob {
-            skin,
-            palette: &palette,
-            vertices: 0..v,
-            remap: None,
-            rest: Rest::default(),
-            positions: output(0),
-            normals: output(3),
-            tangents: skin.has_tangents().then(|| output(6)).flatten(),
-        }
-        .run()
-        .unwrap();
+        let [positions, normals, tangents] = Output::interleaved(&mut vertices, stride, [0, 3, 6]);
+        SkinJob::new(skin, &palette)
+            .positions(positions)
+            .normals(normals)
+            .tangents(Some(tangents).filter(|_| skin.has_tangents()))
+            .run()
+            .unwrap();
         let found = skin.bounds(&palette, 0.0).unwrap().unwrap();
         least = least.min(confidence);
         hash(&mut bits, palette.as_flattened().as_flattened());

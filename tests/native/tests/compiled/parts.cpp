@@ -11,17 +11,14 @@
 #include <limits>
 #include <type_traits>
 
-static void check(const sinew::Failure &failure)
-{
+static void check(const sinew::Failure &failure) {
     if (failure) {
-        std::fprintf(stderr, "%s (status %d): %s\n", failure.text(), int(failure.status),
-                     failure.argument());
+        std::fprintf(stderr, "%s\n", failure.text().c_str());
         std::exit(1);
     }
 }
 
-static void expect(const sinew::Failure &failure, sinew_status status)
-{
+static void expect(const sinew::Failure &failure, sinew_status status) {
     if (failure.status != status) {
         std::fprintf(stderr, "status %d instead of %d\n", int(failure.status), int(status));
         std::exit(1);
@@ -29,29 +26,25 @@ static void expect(const sinew::Failure &failure, sinew_status status)
 }
 
 /// Prints a label and the FNV-1a hash of bytes.
-static void print(const char *what, const void *bytes, std::size_t len)
-{
+static void print(const char *what, const void *bytes, std::size_t len) {
     std::uint64_t state = 0xcbf29ce484222325;
     for (std::size_t i = 0; i < len; i++) {
         state = (state ^ static_cast<const unsigned char *>(bytes)[i]) * 0x100000001b3;
     }
     std::printf("%s %016llx\n", what, static_cast<unsigned long long>(state));
 }
-static void print(const char *what, const std::vector<float> &floats)
-{
+static void print(const char *what, const std::vector<float> &floats) {
     print(what, floats.data(), 4 * floats.size());
 }
 
-static sinew::Model load(const char *path)
-{
+static sinew::Model load(const char *path) {
     std::ifstream file(path, std::ios::binary);
     sinew::Model model;
     check(model.load({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()}));
     return model;
 }
 
-static void face(const char *path)
-{
+static void face(const char *path) {
     const sinew::Model model = load(path);
     sinew::Prior prior;
     sinew::Skin skin;
@@ -94,8 +87,7 @@ static void face(const char *path)
     print("bounds", &bounds, sizeof bounds);
 }
 
-static void views(const char *path)
-{
+static void views(const char *path) {
     const sinew::Model model = load(path);
     sinew::Views views;
     check(views.open(model));
@@ -122,8 +114,7 @@ static void views(const char *path)
     expect(figure.render(pixels, info.width - 1), SINEW_STATUS_LENGTH);
 }
 
-static void filter(const char *path)
-{
+static void filter(const char *path) {
     const sinew::Model model = load(path);
     sinew::Filter filter;
     expect(filter.open(model, "nobody"), SINEW_STATUS_NOT_FOUND);
@@ -139,8 +130,7 @@ static void filter(const char *path)
     expect(filter.apply({2, 4, 3}, samples, fine), SINEW_STATUS_TOO_SHORT);
 }
 
-int main(int, char **argv)
-{
+int main(int, char **argv) {
     static_assert(!std::is_constructible_v<sinew::Face, sinew::Prior, const sinew::Skin &>);
     static_assert(!std::is_constructible_v<sinew::Face, const sinew::Prior &, sinew::Skin>);
     static_assert(std::is_constructible_v<sinew::Face, const sinew::Prior &, const sinew::Skin &>);

@@ -4,9 +4,11 @@ use crate::compiled::host::{CXX, GCC, SANITIZERS, compile, static_library};
 use crate::compiled::output;
 use models::{FACE_NAME, VIEWED_NAMES, golden_path};
 use sinew_runtime::filter::Samples;
-use sinew_runtime::skin::{Output, cells};
+use sinew_runtime::skin::Output;
 use sinew_runtime::views::RenderScratch;
-use sinew_runtime::{Frame, FrameJob, Model, Pin, PinJob, Pins, RenderJob, ShapesJob};
+use sinew_runtime::{
+    Filter, Frame, FrameJob, Model, Pin, PinJob, Pins, Prior, RenderJob, ShapesJob, Skin, Views,
+};
 use std::process::Command;
 
 #[test]
@@ -40,7 +42,7 @@ fn bytes(floats: &[f32]) -> impl Iterator<Item = u8> {
 
 fn face(file: &[u8]) -> String {
     let model = Model::from_bytes(file).unwrap();
-    let (prior, skin) = (model.prior().unwrap(), model.skin().unwrap());
+    let (prior, skin) = (model.first::<Prior>().unwrap(), model.first::<Skin>().unwrap());
     let n = prior.shape_len();
     let mut out = format!("prior {} of {n} shapes\n", prior.name());
     out += &format!("shape {}\n", skin.shape_name(1).unwrap());
@@ -58,15 +60,8 @@ fn face(file: &[u8]) -> String {
     out += &line("pinned", bytes(&weights));
     out += &format!("rounds {}, unreachable {}\n", edit.round_len, edit.unreachable_len);
     let mut positions = vec![0.0; 3 * skin.vertex_len()];
-    let floats = Output { floats: cells(&mut positions), stride: 3 };
-    let job = ShapesJob {
-        skin,
-        weights: &weights,
-        vertices: 0..skin.vertex_len(),
-        positions: Some(floats),
-        normals: None,
-        tangents: None,
-    };
+    let floats = Output::new(&mut positions, 3);
+    let job = ShapesJob::new(skin, &weights).positions(floats);
     job.run().unwrap();
     out += &line("shaped", bytes(&positions));
     let bounds = skin.shaped_bounds(&[], &weights).unwrap().unwrap();
@@ -75,7 +70,7 @@ fn face(file: &[u8]) -> String {
 
 fn views(file: &[u8]) -> String {
     let model = Model::from_bytes(file).unwrap();
-    let views = model.views().unwrap();
+    let views = model.first::<Views>().unwrap();
     let map = model.map_of(&views, 0).unwrap();
     let mut out = format!("views {}, map {}\n", views.name(), map.name());
     let [width, height] = views.size();
@@ -85,15 +80,10 @@ fn views(file: &[u8]) -> String {
     out += &format!("screen {width} x {height}, layers {}\n", layers.len());
     let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
     for step in 0..8 {
-        let frame = Frame {
-            points: &mut points,
-            visibility: &mut visibility,
-            scores: &mut scores,
-            layers: &mut layers,
-        };
+        let mut frame = Frame::new(&mut points, &mut visibility, &mut scores, &mut layers);
         let parameters = [0.25 * step as f32 - 1.0, 0.125];
         let found =
-            FrameJob { views, map, parameters: &parameters }.run(&mut scratch, frame).unwrap();
+            FrameJob { views, map, parameters: &parameters }.run(&mut scratch, &mut frame).unwrap();
         out += &line("points", bytes(points.as_flattened()));
         out += &line("layers", bytes(layers.as_flattened()));
         out += &format!("view {}, confidence {:.6}\n", found.view, found.confidence);
@@ -116,7 +106,7 @@ fn views(file: &[u8]) -> String {
 
 fn filter(file: &[u8]) -> String {
     let model = Model::from_bytes(file).unwrap();
-    let filter = model.filter_named("sensor").unwrap();
+    let filter = model.named::<Filter>("sensor").unwrap();
     let shape = Samples { signal_len: 2, sample_len: 7, lane_len: 3 };
     let samples: Vec<f32> = (0..2 * 7 * 3).map(|i| 0.25 * (i % 5) as f32 - 0.5).collect();
     let mut fine = vec![0.0; filter.factor() * samples.len()];

@@ -3,11 +3,12 @@
 
 use crate::math::{diagonal, farthest, moved, palette, product, rest, skinned};
 use crate::shown::axes::{TO_ENGINE, TO_FILE, palette_of_engine, pose_of_file};
+use models::cells;
 use pages::arm;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::Space;
-use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{Matrix3x4, Model, SkinJob};
+use sinew_runtime::skin::Output;
+use sinew_runtime::{Envelope, Matrix3x4, Model, Skin, SkinJob};
 
 /// Frames of clips that the training did not use.
 fn held_out() -> impl Iterator<Item = usize> {
@@ -37,7 +38,7 @@ fn a_left_handed_engine_gets_the_same_skin_by_both_ways() {
     assert!(converted.convert_to(&Space::UNREAL).unwrap().is_mirrored());
     let baked = Model::from_bytes(arm::file(&converted, Predictor::Kernel)).unwrap();
     assert!(file.space() == Space::GLTF && baked.space() == Space::UNREAL);
-    let (envelope, skin) = (file.envelope().unwrap(), file.skin().unwrap());
+    let (envelope, skin) = (file.first::<Envelope>().unwrap(), file.first::<Skin>().unwrap());
     let size = diagonal(&rest(&skin));
     let (mut by_matrices, mut by_training) = (0.0_f32, 0.0_f32);
     for frame in held_out() {
@@ -65,7 +66,7 @@ fn a_left_handed_engine_gets_the_same_skin_by_both_ways() {
         };
         let plainly: Vec<_> = (0..skin.vertex_len()).map(blended).collect();
         by_matrices = by_matrices.max(farthest(&plainly, &expected, 100.0 * size));
-        let (trained, _) = palette(&baked.envelope().unwrap(), &engine);
+        let (trained, _) = palette(&baked.first::<Envelope>().unwrap(), &engine);
         by_training =
             by_training.max(farthest(&skinned(&baked, &trained), &expected, 100.0 * size));
     }
@@ -77,7 +78,7 @@ fn a_left_handed_engine_gets_the_same_skin_by_both_ways() {
 #[test]
 fn normals_stay_outward_and_tangents_change_their_sign() {
     let file = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let (envelope, skin) = (file.envelope().unwrap(), file.skin().unwrap());
+    let (envelope, skin) = (file.first::<Envelope>().unwrap(), file.first::<Skin>().unwrap());
     assert!(skin.has_tangents());
     let (own, _) = palette(&envelope, &arm::pose(&arm::EXAMPLES, 36));
     let mut given = own.clone();
@@ -85,18 +86,11 @@ fn normals_stay_outward_and_tangents_change_their_sign() {
     let directions = |palette: &[Matrix3x4]| {
         let mut all = vec![0.0; 7 * skin.vertex_len()];
         let floats = cells(&mut all);
-        SkinJob {
-            skin,
-            palette,
-            vertices: 0..skin.vertex_len(),
-            remap: None,
-            rest: Rest::default(),
-            positions: None,
-            normals: Some(Output { floats, stride: 7 }),
-            tangents: Some(Output { floats: &floats[3..], stride: 7 }),
-        }
-        .run()
-        .unwrap();
+        SkinJob::new(skin, palette)
+            .normals(Output::shared(floats, 7))
+            .tangents(Output::shared(&floats[3..], 7))
+            .run()
+            .unwrap();
         all.as_chunks::<7>().0.to_vec()
     };
     for (own, given) in directions(&own).into_iter().zip(directions(&given)) {

@@ -7,12 +7,12 @@ use crate::shown::place::place;
 use crate::shown::{mesh, scale, seen, skeleton, vertices};
 use pages::arm;
 use sinew_runtime::envelope::{FOLDED, PoseFaultKind, Predictor};
-use sinew_runtime::{CallErrorKind, Matrix3x4, Model};
+use sinew_runtime::{CallErrorKind, Envelope, Matrix3x4, Model, Skin};
 
 #[test]
 fn a_mesh_in_another_order_is_matched_and_skinned() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let v = skin.vertex_len();
     // In reverse order, with every third vertex twice.
     let own: Vec<usize> =
@@ -22,7 +22,7 @@ fn a_mesh_in_another_order_is_matched_and_skinned() {
     let size = diagonal(&rest(&skin));
     let (remap, off) = mesh::remap(&skin, &all, size / 1000.0);
     assert!(off == 0.0);
-    let (palette, _) = palette(&model.envelope().unwrap(), &arm::pose(&arm::EXAMPLES, 35));
+    let (palette, _) = palette(&model.first::<Envelope>().unwrap(), &arm::pose(&arm::EXAMPLES, 35));
     let mut buffer = vec![7.0; 8 * own.len()];
     vertices::skin_mesh(skin, &palette, &remap, &mut buffer).unwrap();
     let expected = skinned(&model, &palette);
@@ -50,7 +50,7 @@ const SCALED: [(Predictor, f32); 2] =
 #[test]
 fn frames_of_a_larger_skeleton_are_gathered_by_name() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let expected = arm::pose(&arm::EXAMPLES, 35);
     // In reverse order, with a root of the world and a sword in between.
     let mut names = vec!["world", "sword"];
@@ -63,7 +63,7 @@ fn frames_of_a_larger_skeleton_are_gathered_by_name() {
     let map = skeleton::bind(&envelope, &names).unwrap();
     let mut pose = vec![Matrix3x4::default(); envelope.joint_len()];
     skeleton::pose(&envelope, &map, &world, &TO_MODEL, &mut pose).unwrap();
-    let size = diagonal(&rest(&model.skin().unwrap()));
+    let size = diagonal(&rest(&model.first::<Skin>().unwrap()));
     let skin_of = |pose: &[Matrix3x4]| skinned(&model, &palette(&envelope, pose).0);
     let off = farthest(&skin_of(&pose), &skin_of(&expected), size);
     println!("skeleton: {off:.1e} of the diagonal");
@@ -100,9 +100,9 @@ fn frames_of_a_larger_skeleton_are_gathered_by_name() {
 fn a_scaled_actor_is_wrong_and_certain_until_its_scale_is_taken_out() {
     for (predictor, said) in SCALED {
         let model = Model::from_bytes(arm::file(&arm::EXAMPLES, predictor)).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         let pose = arm::pose(&arm::EXAMPLES, 35);
-        let size = 1.1 * diagonal(&rest(&model.skin().unwrap()));
+        let size = 1.1 * diagonal(&rest(&model.first::<Skin>().unwrap()));
         let larger = |x: [f32; 3]| x.map(|x| 1.1 * x);
         let own = skinned(&model, &palette(&envelope, &pose).0);
         let expected: Vec<_> = own.into_iter().map(larger).collect();
@@ -123,7 +123,7 @@ fn a_scaled_actor_is_wrong_and_certain_until_its_scale_is_taken_out() {
 #[test]
 fn joints_suffice_where_their_error_is_invisible() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let pose = arm::pose(&arm::EXAMPLES, 35);
     let (full, _) = palette(&envelope, &pose);
     let mut scratch = vec![0.0; envelope.scratch_len()];
@@ -144,7 +144,7 @@ const FAR: [(f32, f32); 3] = [(1e3, 7e-5), (1e4, 1e-3), (1e5, 8e-3)];
 #[test]
 fn a_far_pose_has_the_error_of_the_page_and_a_near_camera_has_none() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let pose = arm::pose(&arm::EXAMPLES, 36);
     let (near, _) = palette(&envelope, &pose);
     let expected = skinned(&model, &near);

@@ -6,7 +6,7 @@ use crate::shown::{crowd, crowd_on_threads, culling, levels, ownership, packed, 
 use models::{Pieces, SMALL, Shape};
 use pages::arm;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::{Matrix3x4, Model};
+use sinew_runtime::{Envelope, Matrix3x4, Model, Skin};
 use std::sync::Arc;
 
 const CROWD: usize = 24;
@@ -21,7 +21,7 @@ fn pieces_on_threads_have_the_bits_of_one_job() {
     // More vertices than two pieces.
     let shape = Shape { vertices: 2500, ..SMALL };
     let model = Model::from_bytes(Pieces::sample(Predictor::Kernel, shape).bytes()).unwrap();
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let transform = |at: usize| {
         let shift = at as f32;
         [[0.5, 0.0, 1.0, shift], [0.0, 1.0, 0.25, -shift], [1.0, 0.0, 0.5, 1.0]]
@@ -37,7 +37,7 @@ fn pieces_on_threads_have_the_bits_of_one_job() {
 #[test]
 fn a_crowd_is_the_same_on_one_thread_and_on_many_and_those_behind_are_culled() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let mut palettes = [0, 1].map(|_| vec![Matrix3x4::default(); CROWD * envelope.palette_len()]);
     let mut confidences = [[0.0; CROWD]; 2];
     let [one, many] = &mut palettes;
@@ -70,14 +70,15 @@ fn a_kind_opens_its_file_and_a_reload_replaces_it() {
         let other = kind.clone();
         scope.spawn(move || other.views().map(|(envelope, _)| envelope.joint_len())).join().unwrap()
     });
-    assert_eq!(own, Some(model.envelope().unwrap().joint_len()));
+    assert_eq!(own, Some(model.first::<Envelope>().unwrap().joint_len()));
     let asset = reload::Asset::new(Model::from_bytes(arm::FILE.clone()).unwrap());
     assert!(asset.reload(vec![1, 2, 3]).is_err());
     assert_eq!(asset.model().id(), model.id());
     asset.reload(models::GOLDEN[0].to_vec()).unwrap();
     assert!(asset.model().id() != model.id());
-    let level = levels::levels(&asset.model())[0];
-    let (envelope, mut positions) = (model.envelope().unwrap(), vec![[0.0; 3]; 1]);
+    let other = asset.model();
+    let level = levels::levels(&other, other.first::<Envelope>().unwrap().name())[0];
+    let (envelope, mut positions) = (model.first::<Envelope>().unwrap(), vec![[0.0; 3]; 1]);
     let (palette, _) = palette(&envelope, &arm::pose(&arm::EXAMPLES, 3));
     // With another file, the level opens nothing.
     levels::skin_level(&model, &level, &palette, &mut positions).unwrap();
@@ -87,8 +88,8 @@ fn a_kind_opens_its_file_and_a_reload_replaces_it() {
 #[test]
 fn packed_positions_are_within_a_step_of_16_bits() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let skin = model.skin().unwrap();
-    let (palette, _) = palette(&model.envelope().unwrap(), &arm::pose(&arm::EXAMPLES, 3));
+    let skin = model.first::<Skin>().unwrap();
+    let (palette, _) = palette(&model.first::<Envelope>().unwrap(), &arm::pose(&arm::EXAMPLES, 3));
     let bounds = skin.bounds(&palette, 0.0).unwrap().unwrap();
     let mut out = vec![[0; 4]; skin.vertex_len()];
     packed::skin_packed(skin, &palette, bounds, &mut out).unwrap();

@@ -4,7 +4,7 @@ use crate::math::{curved_palette, diagonal, farthest, moved, palette, rest, skin
 use crate::shown::{curves, skeleton};
 use pages::arm;
 use sinew_runtime::envelope::{PoseFaultKind, Predictor};
-use sinew_runtime::{CallErrorKind, Matrix3x4, Model};
+use sinew_runtime::{CallErrorKind, Envelope, Matrix3x4, Model, Skin};
 use sinew_trainer::examples::Examples;
 
 /// Height of the muscle at a curve of 1, and its radius, both in diagonals.
@@ -39,7 +39,7 @@ fn flexing() -> Examples {
 #[test]
 fn a_curve_is_bound_by_name_and_given_in_the_unit_of_training() {
     let model = Model::from_bytes(arm::file(&flexing(), Predictor::Kernel)).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     assert_eq!((envelope.curve_len(), envelope.curve_range(0)), (1, Some([0.0, 1.0])));
     let map = curves::bind(&envelope, &["smile", "flex"]).unwrap();
     let mut flexed = [f32::NAN];
@@ -50,7 +50,7 @@ fn a_curve_is_bound_by_name_and_given_in_the_unit_of_training() {
 
     let pose = arm::pose(&arm::EXAMPLES, 35);
     let skin_at = |curves: &[f32]| skinned(&model, &curved_palette(&envelope, &pose, curves).0);
-    let size = diagonal(&rest(&model.skin().unwrap()));
+    let size = diagonal(&rest(&model.first::<Skin>().unwrap()));
     let height = farthest(&skin_at(&flexed), &skin_at(&[0.0]), size);
     let confidence = |curves: &[f32]| curved_palette(&envelope, &pose, curves).1;
     println!("curves: swells by {height:.4}, confidence {:.3}", confidence(&flexed));
@@ -68,7 +68,7 @@ fn a_curve_is_bound_by_name_and_given_in_the_unit_of_training() {
 #[test]
 fn a_hidden_hand_shrinks_to_its_joint() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let hand = (0..envelope.joint_len()).find(|&j| envelope.joint_name(j) == Some("hand")).unwrap();
     let mut pose = arm::pose(&arm::EXAMPLES, 35);
     let [x, y, z] = moved(&pose[hand], envelope.rest_frame(hand).unwrap().map(|row| row[3]));

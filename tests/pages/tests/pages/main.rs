@@ -1,6 +1,7 @@
 //! Tests of the pages for engine developers.
 #![allow(clippy::unwrap_used, reason = "a test's helpers fail as the test does")]
 
+mod api;
 mod axes;
 mod character;
 mod crowd;

@@ -57,7 +57,7 @@ pub(crate) fn curved_palette(
 
 /// Skins all positions.
 pub(crate) fn skinned<B: AsRef<[u8]>>(model: &Model<B>, palette: &[Matrix3x4]) -> Vec<[f32; 3]> {
-    let skin = model.skin().unwrap();
+    let skin = model.first::<Skin>().unwrap();
     let mut positions = vec![[0.0; 3]; skin.vertex_len()];
     skin.skin_positions(palette, &mut positions).unwrap();
     positions

@@ -4,12 +4,13 @@ use crate::math::{diagonal, farthest, rest};
 use crate::shown::web::Character;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use models::cells;
 use pages::arm;
 use pages::browser::{browser, said};
 use pages::build::{cargo, emptied, write};
 use pages::{blocks, read, repository};
-use sinew_runtime::skin::{Output, Rest, cells};
-use sinew_runtime::{Model, SkinJob};
+use sinew_runtime::skin::Output;
+use sinew_runtime::{Envelope, Model, Skin, SkinJob};
 use sinew_trainer::examples::Clip;
 use sinew_trainer::export::{Export, Placement, Playback};
 use sinew_trainer::formats::appearance::Appearance;
@@ -90,25 +91,18 @@ fn whole() -> Clip {
 
 /// Computes the expected summary of the clip's frame from the frame's skinning matrices.
 fn played(model: &Model<&[u8]>) -> (f32, [f32; 6], u32) {
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let pose = arm::pose(&arm::EXAMPLES, PLAYED);
     let confidence = envelope.palette(&pose, &[], &mut scratch, &mut palette).unwrap();
     let mut vertices = vec![0.0; 6 * skin.vertex_len()];
     let floats = cells(&mut vertices);
-    SkinJob {
-        skin,
-        palette: &palette,
-        vertices: 0..skin.vertex_len(),
-        remap: None,
-        rest: Rest::default(),
-        positions: Some(Output { floats, stride: 6 }),
-        normals: Some(Output { floats: &floats[3..], stride: 6 }),
-        tangents: None,
-    }
-    .run()
-    .unwrap();
+    SkinJob::new(skin, &palette)
+        .positions(Output::shared(floats, 6))
+        .normals(Output::shared(&floats[3..], 6))
+        .run()
+        .unwrap();
     look(confidence, &vertices)
 }
 
@@ -116,7 +110,7 @@ fn played(model: &Model<&[u8]>) -> (f32, [f32; 6], u32) {
 /// frames per second.
 fn opened(browser: &str, name: &str, module: &[u8]) {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let joint = (0..envelope.joint_len()).find(|&j| envelope.joint_name(j) == Some(JOINT)).unwrap();
 
     // Runs the page's code natively.

@@ -3,8 +3,8 @@
 use super::scene::Scene;
 use super::{arm, clip, distances, export, farthest, model, pose, runtime_palette, vectors};
 use nalgebra::Matrix4;
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Model};
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::examples::Examples;
 use sinew_trainer::export::{Exported, Placement};
@@ -29,7 +29,7 @@ fn one(exported: &Exported) -> [f64; 3] {
 /// from the demo's true flesh, in % of the diagonal.
 fn error(glb: &[u8], model: &[u8], examples: &Examples, truth: &Examples, frames: &[usize]) -> f64 {
     let (scene, model) = (Scene::read(glb), Model::from_bytes(model).unwrap());
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let mut squares = 0.0;
     for &frame in frames {
         let square = |m: &[[f32; 4]; 3]| {

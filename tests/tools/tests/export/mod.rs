@@ -15,7 +15,7 @@ mod views;
 use models::shared;
 use nalgebra::Vector3;
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::{Envelope, Matrix3x4, Model};
+use sinew_runtime::{Envelope, Matrix3x4, Model, Skin};
 use sinew_trainer::Error;
 use sinew_trainer::envelope::levels::Level;
 use sinew_trainer::envelope::s3::ProxyCount;
@@ -96,7 +96,7 @@ fn runtime_palette(envelope: &Envelope<'_>, pose: &Pose) -> Vec<Matrix3x4> {
 
 /// Skins a pose with the runtime.
 fn runtime_skin(model: &Model<&[u8]>, pose: &Pose) -> Vec<Vector3<f64>> {
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let mut positions = vec![[0.0; 3]; skin.vertex_len()];
     skin.skin_positions(&runtime_palette(&envelope, pose), &mut positions).unwrap();
     positions.into_iter().map(|x| x.map(f64::from).into()).collect()

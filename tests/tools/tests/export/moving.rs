@@ -7,8 +7,8 @@ use super::validator::valid;
 use super::{arm, clip, export, farthest, model, only, pose, runtime_skin, set};
 use models::shared;
 use serde_json::{Value, json};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::examples::{Examples, Loaded, Skeleton, Source, load};
 use sinew_trainer::export::{Export, Placement, Playback, by_use, demo_glb};
 use sinew_trainer::formats::appearance::Appearance;
@@ -83,7 +83,7 @@ fn between_frames_a_stretching_rig_stays_within_the_bound() {
         let exported = Export { playback, appearance, placement: Placement::AsModel }.run();
         let scene = Scene::read(&exported.unwrap().glb);
         let loaded = Model::from_bytes(&bytes[..]).unwrap();
-        let name = loaded.skin().unwrap().name().to_owned();
+        let name = loaded.first::<Skin>().unwrap().name().to_owned();
         let keys = scene.times(0).len();
         let mut most: f64 = 0.0;
         for key in 1..keys {
@@ -245,7 +245,7 @@ fn a_face_without_joints_plays() {
     examples.joint_weights = None;
     let clips = [clip("take", 0, 60)];
     let played = Played::new(&examples, model(&examples, Predictor::Kernel, 12, 8), &clips);
-    assert_eq!(played.loaded().envelope().unwrap().joint_len(), 0);
+    assert_eq!(played.loaded().first::<Envelope>().unwrap().joint_len(), 0);
     let off = played.off_at_keys();
     println!("face-curves: off by {off:.1e}");
     assert!(off < NEAR, "{off}");

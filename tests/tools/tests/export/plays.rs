@@ -3,8 +3,8 @@
 use super::scene::Scene;
 use super::{arm, clip, export, farthest, model, only, pose, runtime_skin, set, vectors};
 use nalgebra::{Matrix4, Vector3};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Model, Skin};
 use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::{Clip, Examples};
@@ -41,7 +41,8 @@ impl<'a> Played<'a> {
     }
 
     fn skinned(&self, worlds: &[Matrix4<f64>]) -> Vec<Vector3<f64>> {
-        self.scene.skinned(self.loaded().skin().unwrap().name(), &self.scene.palette(worlds))
+        self.scene
+            .skinned(self.loaded().first::<Skin>().unwrap().name(), &self.scene.palette(worlds))
     }
 
     /// Returns the largest distance from the runtime's skin at the keys, as a share of the
@@ -161,7 +162,8 @@ fn wide_palettes_and_many_influences() {
     let model = train(&examples, &options, &Silent).unwrap().model;
     let clips = [clip("all", 0, 4)];
     let played = Played::new(&examples, model, &clips);
-    let skin = played.loaded().skin().map(|skin| (skin.palette_len(), skin.influence_len()));
+    let skin =
+        played.loaded().first::<Skin>().map(|skin| (skin.palette_len(), skin.influence_len()));
     assert!(skin.is_some_and(|(palette, influences)| palette > 256 && influences > 4));
     let off = played.off_at_keys();
     assert!(off < NEAR, "{off}");

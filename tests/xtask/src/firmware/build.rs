@@ -8,7 +8,6 @@ use std::process::Command;
 #[derive(Clone, Copy)]
 pub(super) enum Image {
     Bits,
-    Minimal,
     Servo,
     Cost,
     CostServo,
@@ -30,8 +29,7 @@ pub(super) enum Image {
 
 impl Image {
     /// Images of the runtime without its features.
-    const ENVELOPES: &[Self] =
-        &[Self::Minimal, Self::Bare, Self::SizeRotational, Self::SizeAny, Self::SizeAll];
+    const ENVELOPES: &[Self] = &[Self::Bare, Self::SizeRotational, Self::SizeAny, Self::SizeAll];
     /// Images of the part filter.
     const FILTER: &[Self] = &[Self::Sensor, Self::SizeSensor];
     /// Images of the part kernel.
@@ -39,29 +37,24 @@ impl Image {
 
     fn features(self) -> Option<&'static str> {
         match self {
-            Self::Cost => Some("cortex-m"),
-            Self::CostServo => Some("cortex-m,kernel"),
-            Self::CostNormals => Some("cortex-m,tangent-coefficients"),
-            Self::Bits => {
-                Some("curves,filter,kernel,prior,shapes,stretch,tangent-coefficients,views")
-            }
-            Self::Proof => Some("curves,filter,kernel,prior,shapes,stretch,tangent-coefficients"),
+            Self::Cost => Some("cortex-m,internals,normals"),
+            Self::CostServo => Some("cortex-m,internals,kernel,normals"),
+            Self::CostNormals => Some("cortex-m,internals,normals"),
+            Self::Bits => Some("curves,filter,internals,kernel,normals,prior,shapes,stretch,views"),
+            Self::Proof => Some("curves,filter,internals,kernel,normals,prior,shapes,stretch"),
             Self::Servo | Self::SizeServo => Some("kernel"),
             Self::Sensor | Self::SizeSensor => Some("filter"),
-            Self::SizeNormals => Some("tangent-coefficients"),
+            Self::SizeNormals => Some("normals"),
             Self::SizeViews => Some("views"),
             Self::SizeShapes => Some("shapes"),
             Self::ControlPanic | Self::ControlAlloc => Some("control"),
-            Self::Minimal | Self::Bare | Self::SizeRotational | Self::SizeAny | Self::SizeAll => {
-                None
-            }
+            Self::Bare | Self::SizeRotational | Self::SizeAny | Self::SizeAll => None,
         }
     }
 
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Bits => "bits",
-            Self::Minimal => "minimal",
             Self::Servo => "servo",
             Self::Cost => "cost",
             Self::CostServo => "cost_servo",
@@ -181,10 +174,20 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
         .args([
             "--bins",
             "--features",
-            "control,cortex-m,curves,filter,kernel,prior,shapes,stretch,tangent-coefficients,views",
+            "control,cortex-m,curves,filter,internals,kernel,normals,prior,shapes,stretch,views",
         ])
         .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))
+}
+
+/// Builds the program of `runtime/examples/firmware` as its reader does, and returns its path.
+pub(super) fn example(folder: &Path) -> Result<PathBuf, String> {
+    let target = folder.join("example");
+    let mut command = cargo(folder, M4F);
+    command.current_dir("runtime/examples/firmware").env_remove("RUSTFLAGS");
+    command.env("CARGO_TARGET_DIR", &target);
+    crate::call::run(command.args(["build", "--quiet", "--locked", "--release"]))?;
+    Ok(target.join(M4F.triple).join("release/character"))
 }
 
 const MANIFEST: &str = "tests/firmware/Cargo.toml";

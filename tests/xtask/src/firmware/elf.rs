@@ -18,6 +18,8 @@ struct Section {
 
 const PROGRAM: u32 = 1;
 const SYMBOLS: u32 = 2;
+const ZEROED: u32 = 8;
+const WRITABLE: u32 = 1;
 const LOADED: u32 = 2;
 
 impl Elf {
@@ -50,6 +52,15 @@ impl Elf {
     pub(super) fn loaded_bytes(&self) -> u64 {
         let loaded = |s: &&Section| s.kind == PROGRAM && s.flags & LOADED != 0;
         self.sections.iter().filter(loaded).map(|s| s.bytes as u64).sum()
+    }
+
+    /// Counts the bytes in static RAM.
+    pub(super) fn ram_bytes(&self) -> u64 {
+        let held = |s: &&Section| {
+            [PROGRAM, ZEROED].contains(&s.kind)
+                && s.flags & (LOADED | WRITABLE) == LOADED | WRITABLE
+        };
+        self.sections.iter().filter(held).map(|s| s.bytes as u64).sum()
     }
 
     /// Lists symbols of an allocator, Rust's or C's.

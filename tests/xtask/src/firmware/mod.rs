@@ -10,7 +10,7 @@ use elf::Elf;
 use std::path::Path;
 use std::process::Command;
 use std::thread;
-use targets::{M4F, TARGETS, Target};
+use targets::{M4F, STM32F4, TARGETS, Target};
 
 /// Builds and runs the images, and checks bits, panics, allocators and costs.
 pub(crate) fn firmware() -> Result<(), String> {
@@ -21,12 +21,16 @@ pub(crate) fn firmware() -> Result<(), String> {
     let running = run_bits(&folder)?;
     build::others(&folder)?;
     same_bits(running)?;
-    shown(&folder, Image::Minimal, "confidence ")?;
-    shown(&folder, Image::Servo, "angle ")?;
-    shown(&folder, Image::Sensor, "fine samples ")?;
+    let example = build::example(&folder)?;
+    let printed = STM32F4.run(&example)?;
+    shown("../../runtime/examples/firmware/src/main.rs", &printed, "confidence ")?;
+    for (image, starts_with) in [(Image::Servo, "angle "), (Image::Sensor, "fine samples ")] {
+        let printed = M4F.run(&path(&folder, M4F, Profile::Release, image))?;
+        shown(&format!("src/bin/{}.rs", image.name()), &printed, starts_with)?;
+    }
     no_panic(&folder)?;
     no_allocator(&folder)?;
-    costs(&folder)
+    costs(&folder, &example)
 }
 
 /// Bakes the models that the images contain.
@@ -84,17 +88,17 @@ fn compare(target: &str, expected: &str, found: &str) -> Result<(), String> {
     }
 }
 
-/// Runs an image that the README contains, and checks that the README shows its source.
-fn shown(folder: &Path, image: Image, starts_with: &str) -> Result<(), String> {
-    let printed = M4F.run(&path(folder, M4F, Profile::Release, image))?;
+/// Checks the output of a program, and that the README shows its source.
+fn shown(source: &str, printed: &str, starts_with: &str) -> Result<(), String> {
     if !printed.starts_with(starts_with) {
-        return Err(format!("the image {} printed `{printed}`", image.name()));
+        return Err(format!("{source} printed `{printed}`"));
     }
-    let read =
-        |path: &str| std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"));
-    let source = format!("src/bin/{}.rs", image.name());
-    let shown = format!("```rust\n{}```\n", read(&format!("tests/firmware/{source}"))?);
-    if read("tests/firmware/README.md")?.contains(&shown) {
+    let read = |path: &str| {
+        let path = format!("tests/firmware/{path}");
+        std::fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))
+    };
+    let shown = format!("```rust\n{}```\n", read(source)?);
+    if read("README.md")?.contains(&shown) {
         Ok(())
     } else {
         Err(format!("tests/firmware/README.md does not show {source} as it is"))
@@ -129,7 +133,7 @@ fn no_allocator(folder: &Path) -> Result<(), String> {
 }
 
 /// Measures, prints and judges the figures.
-fn costs(folder: &Path) -> Result<(), String> {
+fn costs(folder: &Path, example: &Path) -> Result<(), String> {
     let mut figures = Vec::new();
     for profile in Profile::ALL {
         for image in [Image::Cost, Image::CostServo, Image::CostNormals] {
@@ -164,6 +168,9 @@ fn costs(folder: &Path) -> Result<(), String> {
             figures.push((format!("{} {name} code", profile.name()), bytes(image)? - bare));
         }
     }
+    let example = Elf::read(example)?;
+    figures.push(("small example flash".to_owned(), example.loaded_bytes()));
+    figures.push(("small example ram".to_owned(), example.ram_bytes()));
     let path = "tests/firmware/budget.txt";
     let budget = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"))?;
     let judged = budget::judge(&figures, &budget)?;

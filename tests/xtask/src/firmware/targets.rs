@@ -30,6 +30,14 @@ pub(super) const M4F: Target = Target {
              -semihosting-config enable=on,target=native -kernel",
 };
 
+/// The board of the example: an STM32F405.
+pub(super) const STM32F4: Target = Target {
+    name: "STM32F405",
+    runner: "qemu-system-arm -machine netduinoplus2 -nographic \
+             -semihosting-config enable=on,target=native -kernel",
+    ..M4F
+};
+
 const HOST: Target =
     Target { name: "this machine", triple: "", flags: "", bare: false, runner: "" };
 

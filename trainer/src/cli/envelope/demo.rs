@@ -14,7 +14,7 @@ use crate::progress::Silent;
 use crate::report::comparison::{Comparison, NamedExamples, NamedModel};
 use crate::report::{Page, PictureOptions};
 use anyhow::bail;
-use sinew_runtime::Model;
+use sinew_runtime::{Envelope, Model};
 use std::path::{Path, PathBuf};
 
 /// The demo has no inputs.
@@ -124,7 +124,7 @@ fn report(
     let source = NamedExamples { examples: &examples, clips: &clips, name: "the demo's arm" };
     let name = |model: &[u8]| -> anyhow::Result<&str> {
         let model = Model::from_bytes(model)?;
-        Ok(model.envelope().map_or("", |envelope| envelope.predictor().name()))
+        Ok(model.first::<Envelope>().map_or("", |envelope| envelope.predictor().name()))
     };
     let [model, other] = models;
     let file = NamedModel { name: name(model)?, bytes: model, skin: None };

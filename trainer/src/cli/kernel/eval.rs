@@ -37,8 +37,8 @@ impl Run for Eval {
     fn run(&self, _: Output) -> anyhow::Result<Report> {
         let model = self.model.load()?;
         let map = match &self.name {
-            Some(name) => model.kernels().find(|map| map.name() == name.as_str()),
-            None => model.kernels().next(),
+            Some(name) => model.all::<KernelMap>().find(|map| map.name() == name.as_str()),
+            None => model.all::<KernelMap>().next(),
         };
         let map = map.with_context(|| {
             let file = self.model.file.display();

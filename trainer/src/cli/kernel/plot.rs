@@ -32,7 +32,7 @@ impl Run for PlotArgs {
         let target =
             OutputFile::new(&self.output, [&self.model.file])?.ending_in(&["png", "svg"])?;
         let model = self.model.load()?;
-        let map = model.kernels().next();
+        let map = model.all::<KernelMap>().next();
         let map =
             map.with_context(|| format!("{}: it has no function", self.model.file.display()))?;
         let plot = plot(&map, self.all).of(&self.model.file)?;

@@ -7,6 +7,7 @@ use crate::signal::image::Image;
 use crate::signal::sum::samples_remedy;
 use crate::signal::table::read_signal;
 use anyhow::{Context, bail};
+use sinew_runtime::Filter;
 use sinew_runtime::filter::Samples;
 use std::path::{Path, PathBuf};
 
@@ -81,7 +82,7 @@ fn image(arguments: &Superres, output: Output) -> anyhow::Result<Made> {
 /// Makes an image finer by the filter of a file, evaluated by the runtime.
 fn by_model(coarse: &Image, path: &Path) -> anyhow::Result<Image> {
     let model = load(path)?;
-    let filter = model.filter().with_context(|| no_filter(path))?;
+    let filter = model.first::<Filter>().with_context(|| no_filter(path))?;
     let Image { width, height, channels, .. } = *coarse;
     let factor = filter.factor();
     let narrow: Vec<f32> = coarse.samples.iter().map(|x| *x as f32).collect();
@@ -103,7 +104,7 @@ fn signal(arguments: &Superres, output: Output) -> anyhow::Result<Made> {
     let (fine, variances, factor): (Vec<f64>, Vec<f64>, usize) = match &arguments.model {
         Some(path) => {
             let model = load(path)?;
-            let filter = model.filter().with_context(|| no_filter(path))?;
+            let filter = model.first::<Filter>().with_context(|| no_filter(path))?;
             if let Some(remedy) = samples_remedy(&samples) {
                 output.warn(input.display(), format!("in single precision {remedy}"));
             }

@@ -7,7 +7,7 @@ use crate::views::export::{Grid, Side, glb, puppet, spine};
 use crate::views::set::Values;
 use anyhow::bail;
 use serde_json::{Value, json};
-use sinew_runtime::Model;
+use sinew_runtime::{Model, Views};
 use std::path::{Path, PathBuf};
 
 /// Usage, one line for each format.
@@ -107,7 +107,9 @@ impl Run for Export {
             Some(_) => puppet(&model, map, &grid).of(file)?,
             None => glb(&model, map, &grid).of(file)?,
         };
-        if self.format.inp.is_none() && model.views().is_some_and(|views| views.has_clips()) {
+        if self.format.inp.is_none()
+            && model.first::<Views>().is_some_and(|views| views.has_clips())
+        {
             output.warn(file.display(), "clip masks are not written, glTF has none");
         }
         let ranges = grid.sides.iter().map(|(side, range)| (side.name.clone(), json!(range)));

@@ -12,6 +12,7 @@ use crate::views::set::{ViewSet, as_json, read_instance};
 use crate::views::train::{Trained, train};
 use crate::views::transfer::transfer;
 use anyhow::bail;
+use sinew_runtime::Views;
 use sinew_runtime::format::Space;
 use std::path::{Path, PathBuf};
 
@@ -191,7 +192,7 @@ impl Run for Transfer {
         let Self { prototype, instance, output: out, by_size } = self;
         let target = OutputFile::new(out, [prototype, instance])?.of_a_model()?;
         let model = load(prototype)?;
-        let object = model.views();
+        let object = model.first::<Views>();
         let layers = (0..).map_while(|layer| object.as_ref()?.layer_name(layer));
         let views = read_instance(instance, &layers.collect::<Vec<_>>()).of(instance)?;
         let name = instance.file_stem().map(|stem| stem.to_string_lossy()).unwrap_or_default();

@@ -16,7 +16,7 @@ use follow::{FAR, far_away, median};
 use nalgebra::Vector3;
 use nearest::Tree;
 use rayon::prelude::*;
-use sinew_runtime::Model;
+use sinew_runtime::{Envelope, Model, Skin};
 
 /// Name of the examples' own skin.
 pub const OWN: &str = "skin";
@@ -67,7 +67,7 @@ pub fn add(
     }
     let loaded = Model::from_bytes(model.bake()?)
         .map_err(|error| Error::from(error).within("the model is refused"))?;
-    let Some((envelope, skin)) = loaded.envelope().zip(loaded.skin()) else {
+    let Some((envelope, skin)) = loaded.first::<Envelope>().zip(loaded.first::<Skin>()) else {
         return Ok(Vec::new());
     };
     let own = examples.surface();

@@ -4,9 +4,9 @@ use super::{arm, farthest, model, only, pose, runtime_skin, set};
 use models::shared;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Axis, Space};
+use sinew_runtime::{Model, Skin};
 use sinew_trainer::examples::{Clip, Examples, Loaded, Skeleton, Source, load};
 use sinew_trainer::export::{Export, Exported, Placement, Playback};
 use sinew_trainer::formats::appearance::{self, Appearance};
@@ -109,7 +109,7 @@ fn check(test: &str, examples: &Examples, helpers: usize, influences: usize) -> 
     );
     assert_eq!((&said["rate"], &said["range"]), (&json!(RATE), &json!([0.0, half as f64 - 1.0])));
     assert_eq!(said["samples"], json!([codes, codes]));
-    let most = loaded.skin().unwrap().influence_len();
+    let most = loaded.first::<Skin>().unwrap().influence_len();
     assert_eq!(said["meshes"][0]["influences"], json!(most));
     Some(said)
 }
@@ -176,7 +176,7 @@ fn a_leg_keeps_its_materials_in_the_axes_that_were_asked_for() {
     };
     let expected = json!({ "Claw": count("Claw"), "Fur Brown": count("Fur Brown") });
     assert_eq!((&leg["name"], &leg["subsets"]), (&json!("Leg"), &expected));
-    let (skin, surface) = (loaded.skin().unwrap(), examples.surface());
+    let (skin, surface) = (loaded.first::<Skin>().unwrap(), examples.surface());
     let near = |name: &str, vertex: usize, expected: &[f64]| {
         let found = leg[name][vertex].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
         assert!(found.zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{name} {vertex}");

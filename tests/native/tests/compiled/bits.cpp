@@ -12,29 +12,26 @@
 namespace {
 
 /// Prints the error and stops. An engine would show its placeholder instead.
-void check(const sinew::Failure &failure)
-{
+void check(const sinew::Failure &failure) {
     if (failure) {
-        std::fprintf(stderr, "skin: %s (status %d): %s\n", failure.text(), int(failure.status),
-                     failure.argument());
+        std::fprintf(stderr, "skin: %s\n", failure.text().c_str());
         std::exit(1);
     }
 }
 
 /// SplitMix64; returns a number in [-1, 1) from its upper bits.
-float next(std::uint64_t &state)
-{
+float next(std::uint64_t &state) {
     std::uint64_t z = state += 0x9e3779b97f4a7c15;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
     z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
     return float((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/// Replaces an animation system: applies slight, usual and wild rotations to the rest pose, and moves the curves as far.
+/// Replaces an animation system: applies slight, usual and wild rotations to the rest pose, and
+/// moves the curves as far.
 std::vector<sinew_local_transform> animate(std::vector<sinew_local_transform> rest,
                                            std::vector<float> &curves, unsigned long frame,
-                                           std::uint64_t &state)
-{
+                                           std::uint64_t &state) {
     const float turn = std::array{0.01f, 0.3f, 1.0f, 8.0f}[frame % 4];
     for (sinew_local_transform &joint : rest) {
         for (int i = 0; i < 3; i++) {
@@ -48,8 +45,7 @@ std::vector<sinew_local_transform> animate(std::vector<sinew_local_transform> re
 }
 
 /// FNV-1a over the bits of floats, the least significant byte first.
-void hash(std::uint64_t &state, const float *values, std::size_t len)
-{
+void hash(std::uint64_t &state, const float *values, std::size_t len) {
     for (std::size_t i = 0; i < len; i++) {
         std::uint32_t bits;
         std::memcpy(&bits, values + i, sizeof bits);
@@ -61,8 +57,7 @@ void hash(std::uint64_t &state, const float *values, std::size_t len)
 
 } // namespace
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
     if (argc < 2) {
         std::fprintf(stderr, "usage: skin MODEL [POSES]\n");
         return 2;

@@ -26,8 +26,7 @@ typedef struct {
     size_t stride;
 } character;
 
-static void *allocate(size_t count, size_t size)
-{
+static void *allocate(size_t count, size_t size) {
     void *memory = calloc(count ? count : 1, size);
     if (!memory) {
         fprintf(stderr, "skin: no memory\n");
@@ -37,20 +36,17 @@ static void *allocate(size_t count, size_t size)
 }
 
 /* Prints the error and stops. An engine would show its placeholder instead. */
-static void check(sinew_status status, const sinew_error *error)
-{
+static void check(sinew_status status, const sinew_error *error) {
     if (status == SINEW_STATUS_OK) {
         return;
     }
-    fprintf(stderr, "skin: %s (status %d): %s, section %lu, index %lu, expected %lu, found %lu\n",
-            sinew_status_text(status), (int)status, sinew_argument_text(error->argument),
-            (unsigned long)error->section, (unsigned long)error->index,
-            (unsigned long)error->expected, (unsigned long)error->found);
+    char text[256];
+    sinew_error_text(error, text, sizeof text);
+    fprintf(stderr, "skin: %s (status %d)\n", text, (int)status);
     exit(1);
 }
 
-static uint8_t *read_file(const char *path, size_t *bytes)
-{
+static uint8_t *read_file(const char *path, size_t *bytes) {
     FILE *file = fopen(path, "rb");
     uint8_t *content = NULL;
     size_t room = 4096, len = 0, more = 1;
@@ -72,18 +68,16 @@ static uint8_t *read_file(const char *path, size_t *bytes)
 }
 
 /* SplitMix64; returns a number in [-1, 1) from its upper bits. */
-static float next(uint64_t *state)
-{
+static float next(uint64_t *state) {
     uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
     return (float)((z ^ (z >> 31)) >> 40) / 8388608.0f - 1.0f;
 }
 
-/* Replaces an animation system: applies slight, usual and wild rotations to the rest pose, and moves
- * the curves as far. */
-static void animate(character *c, unsigned frame, uint64_t *state)
-{
+/* Replaces an animation system: applies slight, usual and wild rotations to the rest pose, and
+ * moves the curves as far. */
+static void animate(character *c, unsigned frame, uint64_t *state) {
     static const float turns[4] = {0.01f, 0.3f, 1.0f, 8.0f};
     float turn = turns[frame % 4];
     for (size_t joint = 0; joint < c->info.joint_len; joint++) {
@@ -99,8 +93,7 @@ static void animate(character *c, unsigned frame, uint64_t *state)
 }
 
 /* Computes a frame: vertices, bounds and confidence from local transforms and curves. */
-static void frame(character *c, sinew_bounds *bounds, float *confidence)
-{
+static void frame(character *c, sinew_bounds *bounds, float *confidence) {
     sinew_error error;
     const sinew_envelope_info *info = &c->info;
     const size_t palette_len = info->palette_len, stride = c->stride, len = c->vertices_len;
@@ -127,8 +120,7 @@ static void frame(character *c, sinew_bounds *bounds, float *confidence)
 }
 
 /* FNV-1a over the bits of floats, the least significant byte first. */
-static uint64_t hash(uint64_t state, const float *values, size_t len)
-{
+static uint64_t hash(uint64_t state, const float *values, size_t len) {
     for (size_t i = 0; i < len; i++) {
         union {
             float value;
@@ -141,10 +133,9 @@ static uint64_t hash(uint64_t state, const float *values, size_t len)
     return state;
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
     static uintptr_t model_memory[SINEW_MODEL_WORDS];
-    static uintptr_t envelope_memory[SINEW_ENVELOPE_WORDS], skin_memory[SINEW_SKIN_WORDS];
+    static uintptr_t envelope_memory[SINEW_PART_WORDS], skin_memory[SINEW_PART_WORDS];
     const sinew_model *model;
     character c;
     sinew_error error;
@@ -161,11 +152,14 @@ int main(int argc, char **argv)
 
     check(sinew_model_load(model_memory, sizeof model_memory, file, bytes, NULL, &model, &error),
           &error);
-    check(sinew_envelope_open(model, NULL, 0, 0, envelope_memory, sizeof envelope_memory,
-                              &c.envelope, &error),
+    check(sinew_part_open(model, SINEW_PART_KIND_ENVELOPE, NULL, 0, 0, envelope_memory,
+                          sizeof envelope_memory, &error),
           &error);
-    check(sinew_skin_open(model, NULL, 0, 0, skin_memory, sizeof skin_memory, &c.skin, &error),
+    check(sinew_part_open(model, SINEW_PART_KIND_SKIN, NULL, 0, 0, skin_memory, sizeof skin_memory,
+                          &error),
           &error);
+    c.envelope = (const sinew_envelope *)envelope_memory;
+    c.skin = (const sinew_skin *)skin_memory;
     check(sinew_envelope_describe(c.envelope, &c.info, &error), &error);
     check(sinew_skin_describe(c.skin, &c.mesh, &error), &error);
     if (c.mesh.vertex_len == 0) {

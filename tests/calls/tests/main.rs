@@ -1,7 +1,7 @@
 //! Calls the C functions in this process and compares results and errors with the runtime's.
 #![allow(clippy::unwrap_used, reason = "a helper's failure is a failure of its test")]
 
-#[path = "../../../tests/common/mod.rs"]
+#[path = "../../../runtime/tests/common/mod.rs"]
 mod common;
 mod described;
 mod errors;
@@ -42,5 +42,9 @@ fn with(file: &[u8], test: impl Fn(Both<'_>)) {
     let model = Loaded::new(file);
     let c = (model.envelope(None, 0).unwrap(), model.skin(None, 0).unwrap());
     let rust = Model::from_bytes(file).unwrap();
-    test(Both { model, c, rust: (rust.envelope().unwrap(), rust.skin().unwrap()) });
+    test(Both {
+        model,
+        c,
+        rust: (rust.first::<Envelope>().unwrap(), rust.first::<Skin>().unwrap()),
+    });
 }

@@ -3,12 +3,12 @@
 use crate::handles::{NONE, done, get};
 use crate::{Both, each};
 use sinew_capi::*;
-use sinew_runtime::envelope::{Level, PoseFaultKind};
+use sinew_runtime::envelope::PoseFaultKind;
 use sinew_runtime::{
     LocalTransform, Matrix3x4, gather_pose, matrix, mesh_hash_of, model_space_pose,
     skeleton_hash_of,
 };
-use std::ffi::CStr;
+use std::ffi::{CStr, c_void};
 use std::ptr::{null, null_mut};
 
 fn rest(envelope: &sinew_runtime::Envelope<'_>) -> Vec<Matrix3x4> {
@@ -35,6 +35,15 @@ fn rest_frames_are_copied_at_once() {
     });
 }
 
+/// Removes a prefix, whose length the argument states.
+unsafe extern "C" fn without_prefix(name: sinew_name, user: *mut c_void) -> sinew_name {
+    // SAFETY: the test gives a length, and names that are longer.
+    unsafe {
+        let len = *user.cast::<usize>();
+        sinew_name { name: name.name.add(len), name_len: name.name_len - len }
+    }
+}
+
 #[test]
 fn a_skeleton_is_bound_and_gathered() {
     each(|Both { c: (found, _), rust: (envelope, _), .. }| {
@@ -53,22 +62,39 @@ fn a_skeleton_is_bound_and_gathered() {
         let (at, handle) = (map.as_mut_ptr(), found.handle);
         // SAFETY: an open envelope, arrays with their lengths, and one structure to be written.
         let result = get(|out| unsafe {
-            sinew_envelope_bind(handle, all.as_ptr(), all.len(), at, len, out, NONE)
+            sinew_envelope_bind(
+                handle,
+                all.as_ptr(),
+                all.len(),
+                None,
+                null_mut(),
+                at,
+                len,
+                out,
+                NONE,
+            )
         });
         assert_eq!((&map, result.found_len as usize), (&expected, bound.found_len));
         let missing = bound.missing_parent.map_or(SINEW_NO_JOINT, |joint| joint as u32);
         assert_eq!((result.missing_parent, missing), (SINEW_NO_JOINT, SINEW_NO_JOINT));
         let at = map.as_mut_ptr();
-        let bind = |names: &[sinew_name]| {
-            // SAFETY: an open envelope, and arrays with their lengths.
+        let bind_as = |names: &[sinew_name], rename: sinew_rename, mut prefix_len: usize| {
+            let (names, names_len, bound) = (names.as_ptr(), names.len(), null_mut());
+            let user = (&raw mut prefix_len).cast();
+            // SAFETY: an open envelope, and arrays with their lengths; the function takes this argument.
             unsafe {
-                sinew_envelope_bind(handle, names.as_ptr(), names.len(), at, len, null_mut(), NONE)
+                sinew_envelope_bind(handle, names, names_len, rename, user, at, len, bound, NONE)
             }
         };
+        let bind = |names: &[sinew_name]| bind_as(names, None, 0);
         assert_eq!(bind(&all[..1]), sinew_status::NoRoot);
         let prefixed: Vec<String> = names.iter().map(|name| format!("rig:{name}")).collect();
         let prefixed: Vec<&str> = prefixed.iter().map(String::as_str).collect();
-        assert_eq!(bind(&prefixed.iter().map(in_c).collect::<Vec<_>>()), sinew_status::OtherName);
+        let prefixed = prefixed.iter().map(in_c).collect::<Vec<_>>();
+        assert_eq!(bind(&prefixed), sinew_status::OtherName);
+        assert_eq!(bind_as(&prefixed, Some(without_prefix), 4), sinew_status::Ok);
+        assert_eq!(map, expected);
+        assert_eq!(bind_as(&prefixed, Some(without_prefix), 3), sinew_status::OtherName);
         let root = envelope.joint_name(envelope.root()).unwrap();
         let alone = if len > 1 { sinew_status::NoJoints } else { sinew_status::Ok };
         assert_eq!(bind(&[in_c(&root)]), alone);
@@ -171,25 +197,23 @@ fn mistakes_are_named_and_scales_removed() {
 }
 
 #[test]
-fn levels_have_the_bits_of_the_runtime() {
+fn the_base_has_the_bits_of_the_runtime() {
     each(|Both { c: (found, _), rust: (envelope, _), .. }| {
         let pose = rest(&envelope);
         let (j, p, s) = (pose.len(), envelope.palette_len(), envelope.scratch_len());
         let (mut scratch, curves) = (vec![0.0; s], vec![0.25; envelope.curve_len()]);
-        for (level, number) in Level::ALL.into_iter().zip([1, 2]) {
-            let mut expected = vec![[[0.0; 4]; 3]; p];
-            let confidence =
-                envelope.palette_at(level, &pose, &curves, &mut scratch, &mut expected).unwrap();
-            let mut palette = vec![[[0.0; 4]; 3]; p];
-            let (from, to, at) =
-                (pose.as_ptr().cast(), palette.as_mut_ptr().cast(), scratch.as_mut_ptr());
-            let (e, c, c_len) = (found.handle, curves.as_ptr(), curves.len());
-            // SAFETY: an open envelope, arrays with their lengths, and one number to be written.
-            let result = get(|out| unsafe {
-                sinew_envelope_palette_at(e, number, from, j, c, c_len, at, s, to, p, out, NONE)
-            });
-            assert_eq!((result, palette), (confidence, expected));
-        }
+        let mut expected = vec![[[0.0; 4]; 3]; p];
+        let confidence =
+            envelope.base_palette(&pose, &curves, &mut scratch, &mut expected).unwrap();
+        let mut palette = vec![[[0.0; 4]; 3]; p];
+        let (from, to, at) =
+            (pose.as_ptr().cast(), palette.as_mut_ptr().cast(), scratch.as_mut_ptr());
+        let (e, c, c_len) = (found.handle, curves.as_ptr(), curves.len());
+        // SAFETY: an open envelope, arrays with their lengths, and one number to be written.
+        let result = get(|out| unsafe {
+            sinew_envelope_base_palette(e, from, j, c, c_len, at, s, to, p, out, NONE)
+        });
+        assert_eq!((result, palette), (confidence, expected));
     });
 }
 

@@ -19,8 +19,8 @@ fn described(views: *const sinew_views) -> sinew_views_info {
 fn views_have_the_runtimes_description_and_bits() {
     let [file, _] = Pieces::viewed().map(|pieces| pieces.bytes());
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
-    let expected = model.views().unwrap();
-    let opened = loaded.open(sinew_views_open, SINEW_VIEWS_WORDS, None, 0).unwrap();
+    let expected = model.first::<Views>().unwrap();
+    let opened = loaded.open::<sinew_views>(sinew_part_kind::Views, None, 0).unwrap();
     let views = opened.handle;
     let info = described(views);
     // SAFETY: open views and a structure to be written.
@@ -62,7 +62,7 @@ fn views_have_the_runtimes_description_and_bits() {
     let mut own = FrameArrays::default();
     let kernel = model.map_of(&expected, 1).unwrap();
     let run = FrameJob { views: expected, map: kernel, parameters: &parameters };
-    let own_found = run.run(&mut vec![0.0; map.scratch_len], own.frame()).unwrap();
+    let own_found = run.run(&mut vec![0.0; map.scratch_len], &mut own.frame()).unwrap();
     assert_eq!((found.view, found.confidence), (own_found.view, own_found.confidence));
     assert_eq!(frame, own);
     assert!(frame.layers.iter().all(|[opacity, _]| *opacity > 0.0));
@@ -94,14 +94,14 @@ fn layers_with_depth_have_the_bits_of_the_runtime() {
     pieces.add_views(&content);
     let file = pieces.bytes();
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
-    let views = model.views().unwrap();
-    let opened = loaded.open(sinew_views_open, SINEW_VIEWS_WORDS, None, 0).unwrap();
+    let views = model.first::<Views>().unwrap();
+    let opened = loaded.open::<sinew_views>(sinew_part_kind::Views, None, 0).unwrap();
     let info = described(opened.handle);
     assert_eq!((info.has_depth, info.has_groups, info.has_clips), (1, 1, 1));
     let mut frame = FrameArrays::default();
     let map = model.map_of(&views, 0).unwrap();
     let mut scratch = vec![0.0; views.counts().frame_scratch_len(&map.counts())];
-    FrameJob { views, map, parameters: &[0.25; 2] }.run(&mut scratch, frame.frame()).unwrap();
+    FrameJob { views, map, parameters: &[0.25; 2] }.run(&mut scratch, &mut frame.frame()).unwrap();
     drawn(opened.handle, &views, &frame);
 }
 

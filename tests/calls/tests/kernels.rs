@@ -10,7 +10,7 @@ fn each(test: impl Fn(&Kernel, KernelMap<'_>)) {
     let every = KernelContent::every(sinew_runtime::kernel::Kernel::Matern32);
     let file = Pieces::kernels(&[KernelContent::servo(), every]).bytes();
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
-    for (index, expected) in model.kernels().enumerate() {
+    for (index, expected) in model.all::<KernelMap>().enumerate() {
         test(&loaded.kernel(None, index).unwrap(), expected);
     }
 }

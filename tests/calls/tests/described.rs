@@ -5,7 +5,7 @@ use crate::{Both, each};
 use models::{Pieces, head};
 use sinew_capi::*;
 use sinew_runtime::format::{Axis, Handedness, Space};
-use sinew_runtime::{LocalTransform, Model};
+use sinew_runtime::{Envelope, LocalTransform, Model, Skin};
 use std::ptr::null;
 
 #[test]
@@ -13,9 +13,7 @@ fn versions_and_sizes_are_right() {
     assert_eq!(sinew_abi_version(), SINEW_ABI_VERSION);
     assert_eq!(sinew_format_version(), u32::from(sinew_runtime::format::VERSION));
     assert!(sinew_model_bytes() <= SINEW_MODEL_WORDS * size_of::<usize>());
-    assert!(sinew_envelope_bytes() <= SINEW_ENVELOPE_WORDS * size_of::<usize>());
-    assert!(sinew_skin_bytes() <= SINEW_SKIN_WORDS * size_of::<usize>());
-    assert!(sinew_kernel_bytes() <= SINEW_KERNEL_WORDS * size_of::<usize>());
+    assert!(sinew_part_bytes() <= SINEW_PART_WORDS * size_of::<usize>());
     // SAFETY: the library's text ends in a zero.
     let version = unsafe { std::ffi::CStr::from_ptr(sinew_version()) };
     assert_eq!(version.to_str(), Ok(env!("CARGO_PKG_VERSION")));
@@ -75,14 +73,14 @@ fn models_are_described() {
 fn parts_are_opened_by_name_and_number() {
     let file = Pieces::several().bytes();
     let (model, expected) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
-    for (index, envelope) in expected.envelopes().enumerate() {
+    for (index, envelope) in expected.all::<Envelope>().enumerate() {
         let info = model.envelope(None, index).unwrap().info();
         assert_eq!(info.part as usize, envelope.part());
         // Both envelopes have one name.
         let named = model.envelope(Some(envelope.name()), index).unwrap().info();
         assert_eq!(named.part as usize, envelope.part());
     }
-    for (index, skin) in expected.skins().enumerate() {
+    for (index, skin) in expected.all::<Skin>().enumerate() {
         let info = model.skin(None, index).unwrap().info();
         assert_eq!(info.part as usize, skin.part());
     }
@@ -160,12 +158,6 @@ fn joints_are_those_of_the_file() {
             let local = LocalTransform { rotation, translation };
             assert_eq!(Some(local), envelope.rest_local(joint));
         }
-        let mut order = vec![0; envelope.joint_len()];
-        let (at, len) = (order.as_mut_ptr(), order.len());
-        // SAFETY: an open envelope and an array with its length.
-        done(unsafe { sinew_envelope_order(found.handle, at, len, NONE) });
-        let order = order.into_iter().map(|joint| joint as usize).collect::<Vec<_>>();
-        assert_eq!(order, envelope.evaluation_order().collect::<Vec<_>>());
     });
 }
 

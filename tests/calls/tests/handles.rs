@@ -3,7 +3,7 @@
 
 use sinew_capi::*;
 use sinew_runtime::{FileErrorKind, LocalTransform, Matrix3x4};
-use std::ffi::{c_char, c_void};
+use std::ffi::c_char;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::ptr::{null, null_mut};
@@ -34,18 +34,6 @@ pub type Envelope = Part<sinew_envelope>;
 pub type Skin = Part<sinew_skin>;
 pub type Kernel = Part<sinew_kernel>;
 
-/// A function that opens a part.
-type Open<T> = unsafe extern "C" fn(
-    *const sinew_model,
-    *const c_char,
-    usize,
-    usize,
-    *mut c_void,
-    usize,
-    *mut *const T,
-    *mut sinew_error,
-) -> sinew_status;
-
 // SAFETY: the library promises that threads may share loaded objects, and tests keep the file.
 unsafe impl Sync for Skin {}
 
@@ -72,35 +60,31 @@ impl Loaded {
     }
 
     pub fn envelope(&self, name: Option<&str>, index: usize) -> Result<Envelope, sinew_status> {
-        self.open(sinew_envelope_open, SINEW_ENVELOPE_WORDS, name, index)
+        self.open(sinew_part_kind::Envelope, name, index)
     }
 
     pub fn skin(&self, name: Option<&str>, index: usize) -> Result<Skin, sinew_status> {
-        self.open(sinew_skin_open, SINEW_SKIN_WORDS, name, index)
+        self.open(sinew_part_kind::Skin, name, index)
     }
 
     pub fn kernel(&self, name: Option<&str>, index: usize) -> Result<Kernel, sinew_status> {
-        self.open(sinew_kernel_open, SINEW_KERNEL_WORDS, name, index)
+        self.open(sinew_part_kind::Kernel, name, index)
     }
 
-    /// Opens the `index`-th part with this name, or the `index`-th of all, in memory of `words` words.
+    /// Opens the `index`-th part of a kind with this name, or the `index`-th of all.
     pub fn open<T>(
         &self,
-        open: Open<T>,
-        words: usize,
+        kind: sinew_part_kind,
         name: Option<&str>,
         index: usize,
     ) -> Result<Part<T>, sinew_status> {
-        let mut part = Part { memory: memory(words), handle: null() };
+        let mut memory = memory(SINEW_PART_WORDS);
         let (at, len) = name.map_or((null(), 0), |name| (name.as_ptr().cast(), name.len()));
-        let (place, bytes) = (part.memory.as_mut_ptr().cast(), size_of_val(&*part.memory));
-        let out = &raw mut part.handle;
+        let (place, bytes) = (memory.as_mut_ptr().cast(), size_of_val(&*memory));
+        let kind = kind as u32;
         // SAFETY: a loaded model, a name and memory with their lengths.
-        match unsafe { open(self.handle, at, len, index, place, bytes, out, NONE) } {
-            sinew_status::Ok => {
-                assert_eq!(part.handle.addr(), part.memory.as_ptr().addr());
-                Ok(part)
-            }
+        match unsafe { sinew_part_open(self.handle, kind, at, len, index, place, bytes, NONE) } {
+            sinew_status::Ok => Ok(Part { handle: memory.as_ptr().cast(), memory }),
             status => Err(status),
         }
     }

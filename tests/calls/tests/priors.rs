@@ -4,15 +4,15 @@ use crate::handles::{Loaded, NONE, done, get, name};
 use models::Pieces;
 use sinew_capi::*;
 use sinew_runtime::prior::{Anchor, Temporal};
-use sinew_runtime::{Model, Pin, PinJob, Pins};
+use sinew_runtime::{Model, Pin, PinJob, Pins, Prior, Skin};
 use std::ptr::{null, null_mut};
 
 #[test]
 fn a_prior_has_the_runtimes_description_and_bits() {
     let file = Pieces::face().bytes();
     let (loaded, model) = (Loaded::new(&file), Model::from_bytes(&*file).unwrap());
-    let (expected, skin) = (model.prior().unwrap(), model.skin().unwrap());
-    let opened = loaded.open(sinew_prior_open, SINEW_PRIOR_WORDS, None, 0).unwrap();
+    let (expected, skin) = (model.first::<Prior>().unwrap(), model.first::<Skin>().unwrap());
+    let opened = loaded.open::<sinew_prior>(sinew_part_kind::Prior, None, 0).unwrap();
     let prior = opened.handle;
     // SAFETY: an open prior and a structure to be written.
     let info = get(|out| unsafe { sinew_prior_describe(prior, out, NONE) });

@@ -7,7 +7,6 @@ use sinew_capi::*;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
 use sinew_runtime::{Argument, CallError, CallErrorKind, FileError, FileErrorKind, Matrix3x4};
-use std::ffi::CStr;
 use std::fmt::Debug;
 use std::ptr::{null, null_mut};
 
@@ -65,29 +64,28 @@ fn a_null_name_of_some_length_is_refused() {
     let model = Loaded::new(&file);
     let mut place = handles::memory(64);
     let (at, bytes) = (place.as_mut_ptr().cast(), size_of_val(&*place));
-    macro_rules! opened {
-        ($open:ident, $len:expr) => {{
-            let mut error = unwritten();
-            let (mut out, out_error) = (null(), &raw mut error);
-            // SAFETY: a loaded model, memory with its length, and two values to be written; the name is null.
-            let status =
-                unsafe { $open(model.handle, null(), $len, 0, at, bytes, &raw mut out, out_error) };
-            assert_eq!(out.is_null(), status != sinew_status::Ok);
-            (status, error.argument)
-        }};
+    let opened = |kind: u32, len: usize| {
+        let mut error = unwritten();
+        let out_error = &raw mut error;
+        // SAFETY: a loaded model, memory with its length, and a value to be written; the name is null.
+        let status =
+            unsafe { sinew_part_open(model.handle, kind, null(), len, 0, at, bytes, out_error) };
+        (status, error)
+    };
+    use sinew_part_kind as Kind;
+    let every = [Kind::Envelope, Kind::Skin, Kind::Kernel, Kind::Prior, Kind::Views, Kind::Filter];
+    for (kind, len) in every.into_iter().zip([1, 4, 1, 1, 1, usize::MAX]) {
+        let (status, error) = opened(kind as u32, len);
+        assert_eq!((status, error.argument), (sinew_status::Null, sinew_argument::Name));
     }
-    for refused in [
-        opened!(sinew_envelope_open, 1),
-        opened!(sinew_skin_open, 4),
-        opened!(sinew_kernel_open, 1),
-        opened!(sinew_prior_open, 1),
-        opened!(sinew_views_open, 1),
-        opened!(sinew_filter_open, usize::MAX),
-    ] {
-        assert_eq!(refused, (sinew_status::Null, sinew_argument::Name));
+    assert_eq!(opened(Kind::Envelope as u32, 0).0, sinew_status::Ok);
+    assert_eq!(opened(Kind::Skin as u32, 0).0, sinew_status::Ok);
+    assert_eq!(opened(Kind::Kernel as u32, 0).0, sinew_status::NotFound);
+    for kind in [0, 7, u32::MAX] {
+        let (status, error) = opened(kind, 0);
+        assert_eq!((status, error.argument), (sinew_status::OutOfRange, sinew_argument::Kind));
+        assert_eq!((error.expected, error.found), (6, kind as usize));
     }
-    assert_eq!(opened!(sinew_envelope_open, 0).0, sinew_status::Ok);
-    assert_eq!(opened!(sinew_skin_open, 0).0, sinew_status::Ok);
 }
 
 #[test]
@@ -123,7 +121,7 @@ fn errors_say_what_was_expected_and_found() {
         let mut error = unwritten();
         let plain = sinew_error {
             status: sinew_status::TooShort,
-            argument: sinew_argument::Order,
+            argument: sinew_argument::Local,
             part: SINEW_NO_PART,
             section: 0,
             index: 0,
@@ -131,7 +129,8 @@ fn errors_say_what_was_expected_and_found() {
             found: 0,
         };
         // SAFETY: an open envelope; the array is null.
-        let status = unsafe { sinew_envelope_order(c.0.handle, null_mut(), 0, &raw mut error) };
+        let status =
+            unsafe { sinew_envelope_rest_locals(c.0.handle, null_mut(), 0, &raw mut error) };
         assert_eq!((status, error), (plain.status, plain));
         let mut section = sinew_section { offset: 0, bytes: 0 };
         let not_found = |part, section| {
@@ -322,9 +321,8 @@ fn kinds_and_arguments_keep_their_names_and_order() {
         let same = sinew_argument::from(argument);
         assert_eq!(same as u32, argument as u32);
         assert!(name(same).ends_with(&name(argument)), "{same:?} {argument:?}");
-        // SAFETY: the library's texts end in a zero and stay valid.
-        let text = unsafe { CStr::from_ptr(sinew_argument_text(same as u32)) };
-        assert_eq!(text.to_str(), Ok(argument.name()));
+        let found = text(&error(sinew_status::Null, same), 100).0;
+        assert_eq!(found, format!("{}: a pointer is null", argument.name()));
     }
 }
 
@@ -360,4 +358,43 @@ fn errors_keep_every_field() {
         sinew_error::from(FileError { part: None, section: None, ..error }),
         sinew_error { part: SINEW_NO_PART, section: 0, ..in_c }
     );
+}
+
+fn error(status: sinew_status, argument: sinew_argument) -> sinew_error {
+    let part = SINEW_NO_PART;
+    sinew_error { status, argument, part, section: 0, index: 7, expected: 53, found: 12 }
+}
+
+/// Returns the text of an error, in memory of `len` bytes, and the length of the whole text.
+fn text(error: &sinew_error, len: usize) -> (String, usize) {
+    let mut out = vec![b'x'; len + 1];
+    // SAFETY: an error, and memory with its length.
+    let whole = unsafe { sinew_error_text(error, out.as_mut_ptr().cast(), len) };
+    assert_eq!(out[len], b'x', "written behind the memory");
+    let end = out.iter().position(|byte| *byte == 0).unwrap_or(0);
+    (String::from_utf8(out[..end].to_vec()).unwrap(), whole)
+}
+
+#[test]
+fn an_error_becomes_a_text_with_the_fields_of_its_status() {
+    let length = error(sinew_status::Length, sinew_argument::Pose);
+    let expected = "pose: an array has the wrong length, expected 53, found 12";
+    assert_eq!(text(&length, 100), (expected.to_owned(), expected.len()));
+    assert_eq!(text(&length, 5), ("pose".to_owned(), expected.len()));
+    assert_eq!(text(&length, 1), (String::new(), expected.len()));
+    assert_eq!(text(&length, 0), (String::new(), expected.len()));
+    let file =
+        sinew_error { part: 1, section: 4, ..error(sinew_status::FileFloat, sinew_argument::File) };
+    assert_eq!(text(&file, 100).0, "file: a float is out of range, part 1, section 4, index 7");
+    let missing = error(sinew_status::Null, sinew_argument::Job);
+    assert_eq!(text(&missing, 100).0, "job: a pointer is null");
+    let mut out = [b'x'];
+    // SAFETY: no error, and memory with its length, or none.
+    let lens = unsafe {
+        [
+            sinew_error_text(null(), out.as_mut_ptr().cast(), 1),
+            sinew_error_text(&length, null_mut(), 100),
+        ]
+    };
+    assert_eq!((lens, out), ([0, expected.len()], [0]));
 }
