@@ -22,6 +22,8 @@ layout(set = 0, binding = 4, std430) buffer Palettes {
 
 // Unexplained error where no sample is near.
 const float UNEXPLAINED = 1.0e30;
+// reach over the squared distance from rest where the error's growth turns.
+const float TURN = 4.0;
 
 uint padded(uint len) {
     return (len + 7u) / 8u * 8u;
@@ -134,9 +136,13 @@ void main() {
                 explained += value * value;
             }
             explained = near * min(prior, explained);
+            precise float turned = TURN * apart;
+            precise float growth = turned / (turned + reach);
             precise float left = prior - explained;
-            explained_error = blob_float(row + 6u) * explained;
-            unexplained_error = blob_float(row + 7u) * left;
+            precise float grown = growth * explained;
+            precise float grown_left = growth * left;
+            explained_error = blob_float(row + 6u) * grown;
+            unexplained_error = blob_float(row + 7u) * grown_left;
         }
         scratch[error] = explained_error;
         scratch[error + 1u] = unexplained_error;

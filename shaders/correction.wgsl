@@ -7,6 +7,8 @@
 
 // Unexplained error where no sample is near.
 const UNEXPLAINED = 1.0e30;
+// reach over the squared distance from rest where the error's growth turns.
+const TURN = 4.0;
 
 fn padded(len: u32) -> u32 {
     return (len + 7u) / 8u * 8u;
@@ -117,8 +119,10 @@ fn main(
                 explained += value * value;
             }
             explained = near * min(prior, explained);
-            explained_error = blob_float(row + 6u) * explained;
-            unexplained_error = blob_float(row + 7u) * (prior - explained);
+            let turned = TURN * apart;
+            let growth = turned / (turned + reach);
+            explained_error = blob_float(row + 6u) * (growth * explained);
+            unexplained_error = blob_float(row + 7u) * (growth * (prior - explained));
         }
         scratch[error] = explained_error;
         scratch[error + 1u] = unexplained_error;

@@ -5,6 +5,8 @@ use super::arithmetic::{Arithmetic, U, gamma};
 
 /// End of a fade over its start, as squared distances (METHOD §2.6).
 const FADE: f64 = 6.25;
+/// `reach` over the squared distance from rest where an error's growth turns from quartic to quadratic (METHOD §2.6).
+const TURN: f64 = 4.0;
 /// Relative error of the runtime's smoothstep.
 pub const STEP_ERROR: f64 = 4e-7;
 
@@ -19,9 +21,9 @@ pub struct MapConfidence {
     pub reach: f64,
     /// Share of the linear kernel: the prior variance is `1 - G(|x|²)² + linear |x|²`.
     pub linear: f64,
-    /// Expected error of the base, per unit of variance.
+    /// Expected error of the base, per unit of variance times growth.
     pub signal: f64,
-    /// Expected error of the map, per unit of unexplained variance.
+    /// Expected error of the map, per unit of unexplained variance times growth.
     pub noise: f64,
 }
 
@@ -56,7 +58,12 @@ impl MapConfidence {
         }
         let prior = self.prior(square, rest_change);
         let explained = roots.iter().map(|root| root * root).sum::<f64>().min(prior);
-        self.of_variance(near * explained, prior)
+        self.of_variance(near * explained, prior, [self.growth(square); 2])
+    }
+
+    /// Returns the growth of an error at a squared distance from rest, in [0, 1].
+    pub fn growth(&self, square: f64) -> f64 {
+        TURN * square / (TURN * square + self.reach)
     }
 
     /// Bounds the expected error that the runtime computes from rounded numbers.
@@ -88,16 +95,20 @@ impl MapConfidence {
         let rounding = gamma(roots.len() + 2);
         let least = least_near * (sum(-1.0) * (1.0 - rounding)).min(least_prior);
         let most = most_near * (sum(1.0) * (1.0 + rounding)).min(most_prior);
-        let scaled = |near: f64, explained, prior, factors: [f64; 2]| {
+        let rounding = gamma(2 + arithmetic.division);
+        let least_growth = self.growth((square - square_error).max(0.0)) * (1.0 - rounding);
+        let most_growth = self.growth(square + square_error) * (1.0 + rounding);
+        let scaled = |near: f64, explained, prior, growths, factors: [f64; 2]| {
             if near == 0.0 {
                 ExpectedError::FAR
             } else {
-                self.of_variance(explained, prior).scaled(factors)
+                self.of_variance(explained, prior, growths).scaled(factors)
             }
         };
+        let [below, above] = [[1.0 - gamma(1), 1.0 + gamma(2)], [1.0 + gamma(1), 1.0 - gamma(2)]];
         ExpectedErrorBounds {
-            least: scaled(least_near, least, most_prior, [1.0 - gamma(1), 1.0 + gamma(2)]),
-            most: scaled(most_near, most, least_prior, [1.0 + gamma(1), 1.0 - gamma(2)]),
+            least: scaled(least_near, least, most_prior, [least_growth, most_growth], below),
+            most: scaled(most_near, most, least_prior, [most_growth, least_growth], above),
         }
     }
 
@@ -105,9 +116,12 @@ impl MapConfidence {
         (-rest_change * (2.0 + rest_change) + self.linear * square).max(0.0)
     }
 
-    fn of_variance(&self, explained: f64, prior: f64) -> ExpectedError {
-        let unexplained = self.noise * (prior - explained).max(0.0);
-        ExpectedError { explained: self.signal * explained, unexplained }
+    /// Returns the expected error of a variance, given the growth of each part.
+    fn of_variance(&self, explained: f64, prior: f64, growths: [f64; 2]) -> ExpectedError {
+        ExpectedError {
+            explained: self.signal * growths[0] * explained,
+            unexplained: self.noise * growths[1] * (prior - explained).max(0.0),
+        }
     }
 
     fn fade(&self) -> Fade {
@@ -244,14 +258,24 @@ mod tests {
         let of = |apart, change, values: &[f64]| CONFIDENCE.expected_error(apart, change, values);
         let weight = ExpectedError::map_weight;
         assert_eq!(of(0.0, 0.0, &[0.0, 0.0]).confidence(), 1.0, "rest");
-        // 1 - 0.5² + 0.5 · 2 = 1.75
+        // A variance of 1 - 0.5² + 0.5 · 2 = 1.75, and a growth of 8 / (8 + 4).
         let found = of(2.0, -0.5, &[0.5, -1.0]);
-        assert!((found.explained - 37.5).abs() < 1e-12 && (found.unexplained - 30.0).abs() < 1e-12);
-        assert!((found.confidence() - 38.5 / 68.5).abs() < 1e-12 && weight(found) == 1.0);
+        assert!((found.explained - 25.0).abs() < 1e-12 && (found.unexplained - 20.0).abs() < 1e-12);
+        assert!((found.confidence() - 26.0 / 46.0).abs() < 1e-12 && weight(found) == 1.0);
         let found = of(2.0, -0.5, &[0.0, 0.1]);
-        assert!(found.confidence() < 0.02 && weight(found) < 1e-2);
+        assert!(found.confidence() < 0.02 && weight(found) < 3e-2);
         assert!(of(2.0, -0.5, &[3.0, 0.0]).unexplained == 0.0, "at most the prior is explained");
         assert!(weight(of(16.0, -1.0, &[3.0, 0.0])) < 1e-80, "no weight far away");
+    }
+
+    #[test]
+    fn errors_grow_with_the_fourth_power_of_the_distance_near_rest_and_with_the_square_beyond() {
+        let of_twice = |distance: f64| {
+            let of = |x: f64| CONFIDENCE.expected_error(x * x, 0.0, &[]).unexplained;
+            of(2.0 * distance) / of(distance)
+        };
+        assert!((of_twice(1e-3) - 16.0).abs() < 1e-3);
+        assert!(of_twice(1.5) < 6.0);
     }
 
     #[test]

@@ -259,6 +259,19 @@ impl<'a> Design<'a> {
         (0..self.sample_len()).map(|i| self.prior(i)).sum()
     }
 
+    /// Returns the prior variance times the growth of an error, summed over the samples.
+    pub fn grown_variance(&self) -> f64 {
+        let growth = self.growth();
+        (0..self.sample_len()).map(|i| growth(i) * self.prior(i)).sum()
+    }
+
+    /// Returns a function that computes the growth of an error at a sample.
+    fn growth(&self) -> impl Fn(usize) -> f64 {
+        let confidence = self.confidence();
+        let width = self.inputs.squared_width(self.hyperparameters.width);
+        move |sample| confidence.growth(self.inputs.squared(0, sample + 1) / width)
+    }
+
     /// Returns the prior variance of a sample.
     fn prior(&self, sample: usize) -> f64 {
         let Hyperparameters { kernel, width, .. } = self.hyperparameters;
@@ -312,11 +325,13 @@ impl BlockOut {
         self.left_out.errors(residuals).subrows(0, block.own.len()).to_owned()
     }
 
-    /// Returns the variance of the fit without the block, summed over the block's predicted samples.
-    pub fn variance(&self, design: &Design<'_>, block: &Block) -> f64 {
-        let variances = self.left_out.variances();
-        let unspanned: f64 = block.own.iter().map(|&i| design.unspanned(i)).sum();
-        unspanned + self.noise * variances[..block.own.len()].iter().map(|v| v - 1.0).sum::<f64>()
+    /// Returns the variance of the fit without the block times the growth of an error, summed over the block's predicted
+    /// samples.
+    pub fn grown_variance(&self, design: &Design<'_>, block: &Block) -> f64 {
+        let growth = design.growth();
+        let of =
+            |(&i, v): (&usize, &f64)| growth(i) * (design.unspanned(i) + self.noise * (v - 1.0));
+        block.own.iter().zip(&self.left_out.variances()).map(of).sum()
     }
 }
 
@@ -388,13 +403,14 @@ mod tests {
             let (x, ridge) = (design.columns.clone(), 1e-3 * design.largest);
             let block = Block { own: vec![3, 11, 12], near: vec![2, 4] };
             let kept: Vec<usize> = (0..20).filter(|i| !block.out().any(|out| out == *i)).collect();
+            let growth = design.growth();
             let of = |&i: &usize| {
                 let prior: f64 = design.prior(i) - x.row(i).squared_norm_l2();
-                variance(&x, &kept, i, ridge) + prior
+                growth(i) * (variance(&x, &kept, i, ridge) + prior)
             };
             let expected: f64 = block.own.iter().map(of).sum();
             let out = design.block_out(&block.rows(&design.directions), 1e-3).unwrap();
-            let found = out.variance(&design, &block);
+            let found = out.grown_variance(&design, &block);
             assert!((found - expected).abs() < 1e-9 && expected > 1e-4, "{found} {expected}");
         }
     }
@@ -422,8 +438,11 @@ mod tests {
             let trusted =
                 MapConfidence { len: rows.ncols(), signal: 1.0, noise: 1.0, ..design.confidence() };
             let expected = design.map(&rows, trusted).evaluate(&input).expected_error;
-            assert!((expected.explained + expected.unexplained - design.prior(7)).abs() < 1e-9);
-            assert!((expected.explained - (x.row(7) * &rows).squared_norm_l2()).abs() < 1e-9);
+            let growth = design.growth()(7);
+            let sum = expected.explained + expected.unexplained;
+            assert!((sum - growth * design.prior(7)).abs() < 1e-9);
+            let explained = (x.row(7) * &rows).squared_norm_l2();
+            assert!((expected.explained - growth * explained).abs() < 1e-9);
         }
     }
 

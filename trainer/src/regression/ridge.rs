@@ -21,9 +21,9 @@ const RIDGES: [f64; 5] = [1e-11, 1e-9, 1e-7, 1e-5, 1e-3];
 /// A larger norm comes from directions that the samples hardly cover. The function would explode wherever a pose covers
 /// them.
 const PLAUSIBLE: f64 = 1e6;
-/// Largest squared error of a map over the squared error of the base, per unit of variance.
+/// Largest squared error of a map over the squared error of the base, per unit of variance times growth.
 const NOISE: f64 = 4.0;
-/// Largest error per unit of variance that a file holds.
+/// Largest error per unit of variance times growth that a file holds.
 const LARGEST_ERROR: f64 = CORRECTION_MAX as f64;
 
 /// Parameters of a design with the ridges of its outputs, and their scores.
@@ -124,7 +124,7 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     let solution = design.solve(&projected.all, ridges);
     let ridge = ridges.first().copied().unwrap_or_default();
     let rows = design.variance_roots(ridge, outputs.root_limit);
-    let signal = outputs.signal / design.variance();
+    let signal = outputs.signal / design.grown_variance();
     let noise = noise(design, outputs, (&projected, &squared), ridge)?.min(NOISE * signal);
     let confidence = MapConfidence {
         len: rows.ncols(),
@@ -136,7 +136,8 @@ pub fn fit(design: &Design<'_>, outputs: &Outputs, ridges: &[f64]) -> Option<Ker
     Some(KernelFit { map, scale: design.scale(), predicted })
 }
 
-/// Returns the squared error of extrapolated samples over their variance, both from the fit without their block.
+/// Returns the squared error of extrapolated samples over their variance times growth, both from the fit without their
+/// block.
 ///
 /// The result is a geometric mean over the extrapolated blocks, or over all blocks if there is no extrapolated block.
 ///
@@ -151,7 +152,7 @@ fn noise(
     let first = if outputs.extrapolated_len > 0 { count - outputs.extrapolated_len } else { 0 };
     let of_block = |b: usize| {
         let out = design.block_out(&projected.blocks[b], ridge)?;
-        let variance = out.variance(design, &outputs.blocks[b]).max(f64::MIN_POSITIVE);
+        let variance = out.grown_variance(design, &outputs.blocks[b]).max(f64::MIN_POSITIVE);
         Some((squared[b] / variance).max(f64::MIN_POSITIVE).ln())
     };
     let sum = (first..count).map(of_block).sum::<Option<f64>>()?;

@@ -7,6 +7,7 @@ mod full;
 mod held_out;
 mod importance;
 mod moving;
+mod near_rest;
 mod normals;
 mod numbers;
 mod odd_characters;

@@ -28,7 +28,7 @@ fn set(file: &str) -> Option<Examples> {
 }
 
 /// The arm, and a kernel model of 40 proxies trained on it, shared by several tests.
-fn arm() -> Option<&'static (Examples, Vec<u8>)> {
+pub(super) fn arm() -> Option<&'static (Examples, Vec<u8>)> {
     static ARM: OnceLock<Option<(Examples, Vec<u8>)>> = OnceLock::new();
     let arm = ARM.get_or_init(|| {
         let examples = set("mpfb-arm/mpfb_arm.npz")?;
@@ -43,7 +43,7 @@ fn measured(examples: &Examples, options: &Options, split: Split) -> Evaluation 
     evaluate(&model, None, examples, Frames::Of(split)).unwrap()
 }
 
-fn only(predictor: Predictor) -> Options {
+pub(super) fn only(predictor: Predictor) -> Options {
     let proxies = Some(ProxyCount::Fixed(40));
     Options { predictor: Predict::Only(predictor), proxies, ..Options::default() }
 }

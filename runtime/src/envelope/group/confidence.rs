@@ -5,6 +5,8 @@ use crate::numeric::{greater, lesser, nearness, smoothstep};
 
 /// Unexplained error far from the training poses, where nothing is explained.
 const FAR: f32 = 1.0e30;
+/// `reach` over the squared distance from rest where the error's growth turns from quartic to quadratic.
+const TURN: f32 = 4.0;
 
 /// Parameters of a group's confidence: how the variance of the group's kernel map becomes an expected error.
 ///
@@ -15,9 +17,9 @@ pub struct GroupConfidence {
     pub reach: f32,
     /// Share of the linear kernel: the prior variance is `1 - G(|x|^2)^2 + linear |x|^2`.
     pub linear: f32,
-    /// Expected error of the base, per unit of variance.
+    /// Expected error of the base, per unit of variance times growth.
     pub signal: f32,
-    /// Expected error of the map, per unit of unexplained variance.
+    /// Expected error of the map, per unit of unexplained variance times growth.
     pub noise: f32,
 }
 
@@ -61,9 +63,11 @@ impl GroupConfidence {
             explained += root * root;
         }
         let explained = near * lesser(prior, explained);
+        let turned = TURN * square;
+        let growth = turned / (turned + self.reach);
         ExpectedError {
-            explained: self.signal * explained,
-            unexplained: self.noise * (prior - explained),
+            explained: self.signal * (growth * explained),
+            unexplained: self.noise * (growth * (prior - explained)),
         }
     }
 }

@@ -76,7 +76,7 @@ fn corrections_agree_with_f64() {
 fn each_number_of_a_group_matters() {
     let groups = sample_groups(SMALL);
     let mut pieces = Pieces::sample(Predictor::Kernel, SMALL);
-    let pose_of = |envelope: &Envelope<'_>| random_pose(envelope, &mut Rng(8), 0.2);
+    let pose_of = |envelope: &Envelope<'_>| random_pose(envelope, &mut Rng(8), 0.5);
     let evaluate = |pieces: &Pieces| {
         let model = Model::from_bytes(pieces.bytes()).unwrap();
         let envelope = model.first::<Envelope>().unwrap();

@@ -158,7 +158,8 @@ fn reference_map(group: &GroupContent, phi: &[f64]) -> (Vec<Wide>, [f64; 2]) {
     let near = smooth(((4.0 * reach - apart) / (3.0 * reach)).clamp(0.0, 1.0));
     let explained = near * certainty.iter().map(|h| h * h).sum::<f64>().min(prior);
     let error = if near > 0.0 {
-        [signal * explained, noise * (prior - explained)]
+        let growth = 4.0 * apart / (4.0 * apart + reach);
+        [signal * growth * explained, noise * growth * (prior - explained)]
     } else {
         [0.0, f64::INFINITY]
     };
