@@ -22,6 +22,10 @@ use std::path::{Path, PathBuf};
 const WORSE: f64 = 1.2;
 /// Largest permitted confidence in a frame where the model is worse.
 const TRUSTED: f64 = 0.5;
+/// Least share of LBS's error that a good model gains.
+const GOOD: f64 = 0.5;
+/// Confidences below which an engine may distrust a pose.
+const THRESHOLDS: [f64; 4] = [0.5, 0.7, 0.8, 0.9];
 
 const SETS: [(&str, &str); 3] = [
     ("mpfb-arm", "mpfb-arm/mpfb_arm.npz"),
@@ -53,28 +57,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    let of = |pick: fn(&Frame) -> (f64, f64)| spearman(&all.iter().map(pick).collect::<Vec<_>>());
-    println!(
-        "all frames: Spearman of confidence and the gain {:.2}, of confidence and the share of LBS's error that is \
-         gained {:.2}",
-        of(|frame| (frame.confidence, frame.lbs - frame.model)),
-        of(|frame| (frame.confidence, 1.0 - frame.model / frame.lbs))
-    );
-    println!("\n{:<24}{:>7}{:>9}{:>9}{:>9}", "confidence", "frames", "LBS %", "model %", "worse");
-    for (from, to) in [(0.95, 1.01), (0.8, 0.95), (0.5, 0.8), (0.2, 0.5), (0.0, 0.2)] {
-        let own: Vec<&Frame> = all.iter().filter(|f| (from..to).contains(&f.confidence)).collect();
-        let rms = |of: fn(&Frame) -> f64| {
-            let sum: f64 = own.iter().map(|frame| of(frame).powi(2)).sum();
-            (sum / own.len().max(1) as f64).sqrt()
-        };
-        let worse = own.iter().filter(|frame| frame.is_worse()).count();
-        let range = format!("{from} to {:.2}", f64::min(to, 1.0));
-        println!(
-            "{range:<24}{:>7}{:>9.4}{:>9.4}{worse:>9}",
-            own.len(),
-            rms(|frame| frame.lbs),
-            rms(|frame| frame.model)
-        );
+    let rotational = |frame: &&Frame| frame.predictor == Predictor::Rotational;
+    let (rotational, kernel): (Vec<&Frame>, Vec<&Frame>) = all.iter().partition(rotational);
+    for (name, frames) in
+        [("all", all.iter().collect()), ("kernel", kernel), ("rotational", rotational)]
+    {
+        confidence(name, &frames);
     }
     println!(
         "\n{:<44}{:>7}{:>9}{:>9}{:>9}",
@@ -101,6 +89,53 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// Prints how well the confidence of some frames tells the share of LBS's error that the model gains: rank correlations,
+/// errors by confidence, and the rates of thresholds.
+fn confidence(name: &str, frames: &[&Frame]) {
+    let of = |pick: fn(&Frame) -> (f64, f64)| {
+        spearman(&frames.iter().map(|frame| pick(frame)).collect::<Vec<_>>())
+    };
+    println!(
+        "\n{name} frames: Spearman of confidence and the gain {:.2}, of confidence and the share of LBS's error that is \
+         gained {:.2}",
+        of(|frame| (frame.confidence, frame.lbs - frame.model)),
+        of(|frame| (frame.confidence, frame.gained()))
+    );
+    println!("{:<24}{:>7}{:>9}{:>9}{:>9}", "confidence", "frames", "LBS %", "model %", "worse");
+    for (from, to) in [(0.95, 1.01), (0.8, 0.95), (0.5, 0.8), (0.2, 0.5), (0.0, 0.2)] {
+        let own: Vec<_> = frames.iter().filter(|f| (from..to).contains(&f.confidence)).collect();
+        let rms = |of: fn(&Frame) -> f64| {
+            let sum: f64 = own.iter().map(|frame| of(frame).powi(2)).sum();
+            (sum / own.len().max(1) as f64).sqrt()
+        };
+        let worse = own.iter().filter(|frame| frame.is_worse()).count();
+        let range = format!("{from} to {:.2}", f64::min(to, 1.0));
+        println!(
+            "{range:<24}{:>7}{:>9.4}{:>9.4}{worse:>9}",
+            own.len(),
+            rms(|frame| frame.lbs),
+            rms(|frame| frame.model)
+        );
+    }
+    let (good, bad): (Vec<&Frame>, Vec<&Frame>) =
+        frames.iter().partition(|frame| frame.gained() >= GOOD);
+    println!("{:<24}{:>16}{:>24}", "threshold", "missed, of bad", "false alarms, of good");
+    for threshold in THRESHOLDS {
+        let missed = bad.iter().filter(|frame| frame.confidence >= threshold).count();
+        let alarms = good.iter().filter(|frame| frame.confidence < threshold).count();
+        println!(
+            "{threshold:<24}{:>16}{:>24}",
+            of_all(missed, bad.len()),
+            of_all(alarms, good.len())
+        );
+    }
+}
+
+/// Writes a count, the count of all, and their ratio in %.
+fn of_all(count: usize, all: usize) -> String {
+    format!("{count}/{all} {:.1} %", 100.0 * count as f64 / all.max(1) as f64)
 }
 
 /// Copies of a set, and the amplitude of their noise as a share of the diagonal.
@@ -310,6 +345,7 @@ fn predictors(set: &str) -> Vec<(String, Options)> {
 
 /// A measured frame: errors are RMS, in % of the diagonal.
 struct Frame {
+    predictor: Predictor,
     confidence: f64,
     lbs: f64,
     model: f64,
@@ -318,6 +354,11 @@ struct Frame {
 impl Frame {
     fn is_worse(&self) -> bool {
         self.model > WORSE * self.lbs
+    }
+
+    /// Returns the share of LBS's error that the model gains, negative if the model is worse.
+    fn gained(&self) -> f64 {
+        1.0 - self.model / self.lbs
     }
 }
 
@@ -332,13 +373,14 @@ fn row(name: &str, examples: &Examples, options: &Options) -> Result<Vec<Frame>,
     };
     let frames = examples.frames_of(Split::HeldOut);
     let character = Character::open(&model, None, examples)?;
+    let predictor = character.envelope.predictor();
     let baseline: Baseline = TrainingRecord::of(&model, &character, examples).baseline(examples);
     let measured = Measured::model(&character, examples, &frames)?;
     let lbs = Measured::lbs(&baseline, examples, &frames);
     let (ours, theirs) = (measured.errors(), lbs.errors());
     let frame = |(place, frame): (usize, &MeasuredFrame)| {
         let [model, lbs] = [&measured, &lbs].map(|m| m.errors_in(place).rms_percent);
-        Frame { confidence: frame.confidence, lbs, model }
+        Frame { predictor, confidence: frame.confidence, lbs, model }
     };
     let all: Vec<Frame> = measured.frames.iter().enumerate().map(frame).collect();
     let worse: Vec<f64> = all.iter().filter(|f| f.is_worse()).map(|f| f.confidence).collect();
