@@ -58,7 +58,7 @@ impl MapConfidence {
         }
         let prior = self.prior(square, rest_change);
         let explained = roots.iter().map(|root| root * root).sum::<f64>().min(prior);
-        self.of_variance(near * explained, prior, [self.growth(square); 2])
+        self.of_variance(near * explained, prior).scaled([self.growth(square); 2])
     }
 
     /// Returns the growth of an error at a squared distance from rest, in [0, 1].
@@ -95,20 +95,20 @@ impl MapConfidence {
         let rounding = gamma(roots.len() + 2);
         let least = least_near * (sum(-1.0) * (1.0 - rounding)).min(least_prior);
         let most = most_near * (sum(1.0) * (1.0 + rounding)).min(most_prior);
-        let rounding = gamma(2 + arithmetic.division);
+        // The growth is behind a sum, a division and two products; the unexplained part is a difference, too.
+        let rounding = gamma(4 + arithmetic.division);
         let least_growth = self.growth((square - square_error).max(0.0)) * (1.0 - rounding);
         let most_growth = self.growth(square + square_error) * (1.0 + rounding);
-        let scaled = |near: f64, explained, prior, growths, factors: [f64; 2]| {
+        let grown = |near: f64, explained, prior, growths: [f64; 2]| {
             if near == 0.0 {
                 ExpectedError::FAR
             } else {
-                self.of_variance(explained, prior, growths).scaled(factors)
+                self.of_variance(explained, prior).scaled(growths)
             }
         };
-        let [below, above] = [[1.0 - gamma(1), 1.0 + gamma(2)], [1.0 + gamma(1), 1.0 - gamma(2)]];
         ExpectedErrorBounds {
-            least: scaled(least_near, least, most_prior, [least_growth, most_growth], below),
-            most: scaled(most_near, most, least_prior, [most_growth, least_growth], above),
+            least: grown(least_near, least, most_prior, [least_growth, most_growth]),
+            most: grown(most_near, most, least_prior, [most_growth, least_growth]),
         }
     }
 
@@ -116,12 +116,9 @@ impl MapConfidence {
         (-rest_change * (2.0 + rest_change) + self.linear * square).max(0.0)
     }
 
-    /// Returns the expected error of a variance, given the growth of each part.
-    fn of_variance(&self, explained: f64, prior: f64, growths: [f64; 2]) -> ExpectedError {
-        ExpectedError {
-            explained: self.signal * growths[0] * explained,
-            unexplained: self.noise * growths[1] * (prior - explained).max(0.0),
-        }
+    fn of_variance(&self, explained: f64, prior: f64) -> ExpectedError {
+        let unexplained = self.noise * (prior - explained).max(0.0);
+        ExpectedError { explained: self.signal * explained, unexplained }
     }
 
     fn fade(&self) -> Fade {
