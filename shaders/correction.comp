@@ -14,11 +14,12 @@ layout(set = 0, binding = 2, std430) readonly buffer Poses {
 layout(set = 0, binding = 3, std430) coherent buffer Scratch {
     float scratch[];
 };
-layout(set = 0, binding = 4, std430) buffer Palettes {
+layout(set = 0, binding = 4, std430) coherent buffer Palettes {
     float palettes[];
 };
 
 #include "joint.glsl"
+#include "nearest.glsl"
 
 // Unexplained error where no sample is near.
 const float UNEXPLAINED = 1.0e30;
@@ -37,6 +38,57 @@ float gaussian_change(float s, float gain, float rest) {
     return nearer ? change : -change;
 }
 
+// Least and greatest sum of the squares of a linear part that is projected.
+const float LEAST = 1.0e-6;
+const float MOST = 1.0e6;
+// Least determinant, in magnitude, of a projected linear part of the norm of a rotation.
+const float FLAT = 0.1;
+
+// Column c of a transform of the palette.
+vec3 palette_column(uint at, uint c) {
+    return vec3(palettes[at + c], palettes[at + 4u + c], palettes[at + 8u + c]);
+}
+
+// Projects the transform of a helper onto the kind of the envelope: kind 1 has a scale, kind 2 none.
+void project(uint at, uint place) {
+    vec3 x = palette_column(at, 0u);
+    vec3 y = palette_column(at, 1u);
+    vec3 z = palette_column(at, 2u);
+    precise float square = dot3(x, x) + dot3(y, y) + dot3(z, z);
+    if (!(square > LEAST && square < MOST)) {
+        return;
+    }
+    mat3 unit = normed(mat3(x, y, z));
+    if (!(abs(dot3(unit[0], cross3(unit[1], unit[2]))) > FLAT)) {
+        return;
+    }
+    mat3 turn = nearest_rotation(unit);
+    vec3 scale = vec3(1.0);
+    if (params.helper_kind == 1u) {
+        scale = vec3(dot3(turn[0], x), dot3(turn[1], y), dot3(turn[2], z));
+    }
+    precise vec3 a = turn[0] * scale.x;
+    precise vec3 b = turn[1] * scale.y;
+    precise vec3 c = turn[2] * scale.z;
+    vec3 centre = vec3(blob_float(place), blob_float(place + 1u), blob_float(place + 2u));
+    for (uint r = 0u; r < 3u; r++) {
+        uint row = at + 4u * r;
+        precise vec3 apart = vec3(x[r] - a[r], y[r] - b[r], z[r] - c[r]);
+        precise float shift = palettes[row + 3u] + dot3(apart, centre);
+        palettes[row] = a[r];
+        palettes[row + 1u] = b[r];
+        palettes[row + 2u] = c[r];
+        palettes[row + 3u] = shift;
+    }
+}
+
+// Projects the helpers of a group.
+void project_all(uint palette, uint first, uint proxy_len, uint thread) {
+    for (uint helper = thread; helper < proxy_len; helper += 64u) {
+        project(palette + 12u * helper, params.helper_places + 9u * (first + helper));
+    }
+}
+
 void main() {
     uint thread = gl_LocalInvocationIndex;
     uint instance = gl_WorkGroupID.y;
@@ -53,10 +105,20 @@ void main() {
     uint rank = blob[row + 2u] & 0xffffu;
     uint proxy_len = blob[row + 2u] >> 16u;
     uint certainty_len = blob[row] >> 24u;
+    // The first helper of the group, and its transform.
+    uint first = 0u;
+    for (uint before = 0u; before < group; before++) {
+        first += blob[params.groups + 8u * before + 2u] >> 16u;
+    }
+    uint palette = params.palettes_offset + instance * params.palettes_stride
+        + 12u * (params.palette_len - params.proxy_len + first);
     if (n == 0u) {
         if (thread == 0u) {
             scratch[error] = 0.0;
             scratch[error + 1u] = 0.0;
+        }
+        if (params.helper_kind != 0u) {
+            project_all(palette, first, proxy_len, thread);
         }
         return;
     }
@@ -154,11 +216,6 @@ void main() {
     precise float confidence = explained_error / (explained_error + scratch[error + 1u]);
     precise float w = smooth_step(min(1.0, 8.0 * confidence));
     if (w > 0.0) {
-        uint first = params.palette_len - params.proxy_len;
-        for (uint before = 0u; before < group; before++) {
-            first += blob[params.groups + 8u * before + 2u] >> 16u;
-        }
-        uint palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         // The identity for an envelope without joints.
         mat3 dominant = mat3(1.0);
         if (joint != NO_JOINT) {
@@ -185,5 +242,10 @@ void main() {
                 palettes[to] = value;
             }
         }
+    }
+    if (params.helper_kind != 0u) {
+        memoryBarrierBuffer();
+        barrier();
+        project_all(palette, first, proxy_len, thread);
     }
 }

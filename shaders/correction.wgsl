@@ -22,6 +22,56 @@ fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
     return -(rest * one_minus_exp_negative(gain));
 }
 
+// Least and greatest sum of the squares of a linear part that is projected.
+const LEAST = 1.0e-6;
+const MOST = 1.0e6;
+// Least determinant, in magnitude, of a projected linear part of the norm of a rotation.
+const FLAT = 0.1;
+
+// Column c of a transform of the palette.
+fn palette_column(at: u32, c: u32) -> vec3<f32> {
+    return vec3<f32>(palettes[at + c], palettes[at + 4u + c], palettes[at + 8u + c]);
+}
+
+// Projects the transform of a helper onto the kind of the envelope: kind 1 has a scale, kind 2 none.
+fn project(at: u32, place: u32) {
+    let x = palette_column(at, 0u);
+    let y = palette_column(at, 1u);
+    let z = palette_column(at, 2u);
+    let square = dot3(x, x) + dot3(y, y) + dot3(z, z);
+    if !(square > LEAST && square < MOST) {
+        return;
+    }
+    let unit = normed(mat3x3<f32>(x, y, z));
+    if !(abs(dot3(unit[0], cross3(unit[1], unit[2]))) > FLAT) {
+        return;
+    }
+    let turn = nearest_rotation(unit);
+    var scale = vec3<f32>(1.0);
+    if params.helper_kind == 1u {
+        scale = vec3<f32>(dot3(turn[0], x), dot3(turn[1], y), dot3(turn[2], z));
+    }
+    let a = turn[0] * scale.x;
+    let b = turn[1] * scale.y;
+    let c = turn[2] * scale.z;
+    let centre = vec3<f32>(blob_float(place), blob_float(place + 1u), blob_float(place + 2u));
+    for (var r = 0u; r < 3u; r++) {
+        let row = at + 4u * r;
+        let apart = vec3<f32>(x[r] - a[r], y[r] - b[r], z[r] - c[r]);
+        palettes[row] = a[r];
+        palettes[row + 1u] = b[r];
+        palettes[row + 2u] = c[r];
+        palettes[row + 3u] += dot3(apart, centre);
+    }
+}
+
+// Projects the helpers of a group.
+fn project_all(palette: u32, first: u32, proxy_len: u32, thread: u32) {
+    for (var helper = thread; helper < proxy_len; helper += 64u) {
+        project(palette + 12u * helper, params.helper_places + 9u * (first + helper));
+    }
+}
+
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -41,10 +91,20 @@ fn main(
     let rank = blob[row + 2u] & 0xffffu;
     let proxy_len = blob[row + 2u] >> 16u;
     let certainty_len = blob[row] >> 24u;
+    // The first helper of the group, and its transform.
+    var first = 0u;
+    for (var before = 0u; before < group; before++) {
+        first += blob[params.groups + 8u * before + 2u] >> 16u;
+    }
+    let palette = params.palettes_offset + instance * params.palettes_stride
+        + 12u * (params.palette_len - params.proxy_len + first);
     if n == 0u {
         if thread == 0u {
             scratch[error] = 0.0;
             scratch[error + 1u] = 0.0;
+        }
+        if params.helper_kind != 0u {
+            project_all(palette, first, proxy_len, thread);
         }
         return;
     }
@@ -133,11 +193,6 @@ fn main(
     let confidence = explained_error / (explained_error + scratch[error + 1u]);
     let w = smooth_step(min(1.0, 8.0 * confidence));
     if w > 0.0 {
-        var first = params.palette_len - params.proxy_len;
-        for (var before = 0u; before < group; before++) {
-            first += blob[params.groups + 8u * before + 2u] >> 16u;
-        }
-        let palette = params.palettes_offset + instance * params.palettes_stride + 12u * first;
         // The identity for an envelope without joints.
         var dominant = mat3x3<f32>(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
         if joint != NO_JOINT {
@@ -161,5 +216,9 @@ fn main(
                 palettes[palette + 12u * (i / 4u) + 4u * r + i % 4u] += turned[r];
             }
         }
+    }
+    if params.helper_kind != 0u {
+        storageBarrier();
+        project_all(palette, first, proxy_len, thread);
     }
 }

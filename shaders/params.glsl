@@ -14,6 +14,7 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint curve_len;
     uint root;
     uint predictor;
+    uint helper_kind;
     // Offsets of sections from the blob's start; NONE if the part has no such section.
     uint hierarchy;
     uint rest_positions;
@@ -32,6 +33,7 @@ layout(set = 0, binding = 0, std140) uniform Params {
     uint stretch_ranges;
     uint key_stretches;
     uint curve_ranges;
+    uint helper_places;
     // Offsets of arrays in an instance's scratch; the last two are offset and stride of the groups'
     // own scratch.
     uint relative;

@@ -14,6 +14,7 @@ struct Params {
     curve_len: u32,
     root: u32,
     predictor: u32,
+    helper_kind: u32,
     // Offsets of sections from the blob's start; NONE if the part has no such section.
     hierarchy: u32,
     rest_positions: u32,
@@ -32,6 +33,7 @@ struct Params {
     stretch_ranges: u32,
     key_stretches: u32,
     curve_ranges: u32,
+    helper_places: u32,
     // Offsets of arrays in an instance's scratch; the last two are offset and stride of the groups'
     // own scratch.
     relative: u32,

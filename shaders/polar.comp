@@ -14,29 +14,7 @@ layout(set = 0, binding = 3, std430) buffer Scratch {
 };
 
 #include "joint.glsl"
-
-// Newton steps.
-const uint STEPS = 7u;
-
-// The rotation nearest to a linear part, by Newton's iteration X <- (X + X^-T) / 2.
-mat3 nearest_rotation(mat3 linear) {
-    precise float square = dot3(linear[0], linear[0]) + dot3(linear[1], linear[1])
-        + dot3(linear[2], linear[2]);
-    precise float scale = sqrt(3.0 / square);
-    precise vec3 x = linear[0] * scale;
-    precise vec3 y = linear[1] * scale;
-    precise vec3 z = linear[2] * scale;
-    for (uint i = 0u; i < STEPS; i++) {
-        vec3 a = cross3(y, z);
-        vec3 b = cross3(z, x);
-        vec3 c = cross3(x, y);
-        precise float share = 0.5 / dot3(x, a);
-        x = 0.5 * x + share * a;
-        y = 0.5 * y + share * b;
-        z = 0.5 * z + share * c;
-    }
-    return mat3(x, y, z);
-}
+#include "nearest.glsl"
 
 void main() {
     uint instance = gl_WorkGroupID.y;
@@ -56,7 +34,7 @@ void main() {
         rotation = linear;
         // A joint that did not stretch in training needs no steps.
         if (blob_float(params.stretch_ranges + joint) > 0.0) {
-            rotation = nearest_rotation(linear);
+            rotation = nearest_rotation(normed(linear));
         }
         vec3 x = linear[0];
         vec3 y = linear[1];

@@ -3,9 +3,6 @@
 @group(0) @binding(2) var<storage, read> poses: array<f32>;
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 
-// Newton steps.
-const STEPS: u32 = 7u;
-
 @compute @workgroup_size(64)
 fn main(
     @builtin(workgroup_id) workgroup: vec3<u32>,
@@ -28,7 +25,7 @@ fn main(
         rotation = linear;
         // A joint that did not stretch in training needs no steps.
         if blob_float(params.stretch_ranges + joint) > 0.0 {
-            rotation = nearest_rotation(linear);
+            rotation = nearest_rotation(normed(linear));
         }
         let x = linear[0];
         let y = linear[1];
@@ -46,23 +43,4 @@ fn main(
     scratch[strain + 3u] = stretch.y;
     scratch[strain + 4u] = shear.z;
     scratch[strain + 5u] = stretch.z;
-}
-
-// The rotation nearest to a linear part, by Newton's iteration X <- (X + X^-T) / 2.
-fn nearest_rotation(linear: mat3x3<f32>) -> mat3x3<f32> {
-    let square = dot3(linear[0], linear[0]) + dot3(linear[1], linear[1]) + dot3(linear[2], linear[2]);
-    let scale = sqrt(3.0 / square);
-    var x = linear[0] * scale;
-    var y = linear[1] * scale;
-    var z = linear[2] * scale;
-    for (var i = 0u; i < STEPS; i++) {
-        let a = cross3(y, z);
-        let b = cross3(z, x);
-        let c = cross3(x, y);
-        let share = 0.5 / dot3(x, a);
-        x = 0.5 * x + share * a;
-        y = 0.5 * y + share * b;
-        z = 0.5 * z + share * c;
-    }
-    return mat3x3<f32>(x, y, z);
 }

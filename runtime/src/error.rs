@@ -144,6 +144,8 @@ named! {
         Turns = 39, "joint rotations";
         /// Strains of joints that stretch.
         Strains = 40, "strains";
+        /// Transforms of bones.
+        Bones = 41, "bones";
     }
     /// Every argument.
     #[cfg_attr(feature = "internals", visibility::make(pub))]

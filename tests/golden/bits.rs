@@ -42,11 +42,11 @@ pub(crate) const STAGES: [&str; 9] =
     ["pose", "polar", "gradients", "palette", "features", "correction", "skin", "bounds", "shapes"];
 
 /// The promise of METHOD §7: change these hashes only with a reason that the commit states.
-pub(crate) const GOLDEN: [Golden; 9] = [
+pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "rotational",
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-9-rotational.snw"),
+        file: include_bytes!("envelope-10-rotational.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -62,7 +62,7 @@ pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "kernel",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-9-kernel.snw"),
+        file: include_bytes!("envelope-10-kernel.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -78,7 +78,7 @@ pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "rotational that stretches",
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-9-stretch-rotational.snw"),
+        file: include_bytes!("envelope-10-stretch-rotational.snw"),
         bits: [
             0x7f86_2534_1c7e_685e,
             0x0a4f_a87a_737f_321a,
@@ -94,7 +94,7 @@ pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "kernel that stretches",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-9-stretch.snw"),
+        file: include_bytes!("envelope-10-stretch.snw"),
         bits: [
             0x7f86_2534_1c7e_685e,
             0x0a4f_a87a_737f_321a,
@@ -107,10 +107,44 @@ pub(crate) const GOLDEN: [Golden; 9] = [
             0,
         ],
     },
+    #[cfg(feature = "trs")]
+    Golden {
+        name: "kernel with helpers of kind trs",
+        predictor: Predictor::Kernel,
+        file: include_bytes!("envelope-10-trs.snw"),
+        bits: [
+            0x7f86_2534_1c7e_685e,
+            0x0a4f_a87a_737f_321a,
+            0,
+            0x79e3_0df3_74d3_4bd6,
+            0xb87e_13ae_6f19_11ab,
+            0xa974_a426_6f0d_ce7f,
+            0x6a45_b4ff_9a19_4a9a,
+            0xbd79_d238_7b12_3c48,
+            0,
+        ],
+    },
+    #[cfg(feature = "trs")]
+    Golden {
+        name: "kernel with rigid helpers",
+        predictor: Predictor::Kernel,
+        file: include_bytes!("envelope-10-rigid.snw"),
+        bits: [
+            0x97d3_d7f7_0f77_bf91,
+            0,
+            0,
+            0x9c1e_3aa2_f08f_9a1b,
+            0x2916_af47_4df4_8a71,
+            0xdfea_e9cd_313c_b174,
+            0xa8d5_9b8e_223e_fca3,
+            0x016b_2838_6614_f212,
+            0,
+        ],
+    },
     Golden {
         name: "tangents",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-9-tangents.snw"),
+        file: include_bytes!("skin-10-tangents.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -126,7 +160,7 @@ pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "normals",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-9-normals.snw"),
+        file: include_bytes!("skin-10-normals.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -142,7 +176,7 @@ pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "shapes of f32",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-9-f32.snw"),
+        file: include_bytes!("shapes-10-f32.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -158,7 +192,7 @@ pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "shapes of f16",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-9-f16.snw"),
+        file: include_bytes!("shapes-10-f16.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -174,7 +208,7 @@ pub(crate) const GOLDEN: [Golden; 9] = [
     Golden {
         name: "shapes of i8",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-9-i8.snw"),
+        file: include_bytes!("shapes-10-i8.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,

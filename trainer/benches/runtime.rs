@@ -7,7 +7,7 @@
 //! in an engine without SIMD.
 
 use faer::Mat;
-use sinew_runtime::envelope::{Certificate, GroupKernel, Predictor};
+use sinew_runtime::envelope::{Certificate, GroupKernel, HelperKind, Predictor};
 use sinew_runtime::skin::Output;
 use sinew_runtime::{CallError, Envelope, Matrix3x4, Model, Skin, SkinJob};
 use sinew_trainer::envelope::model::{EnvelopeModel, FeatureOrder, FileModel, Group, Input};
@@ -15,6 +15,7 @@ use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Skeleton, Split, npz};
+use sinew_trainer::numeric::trs::Place;
 use sinew_trainer::progress::Silent;
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
@@ -239,6 +240,8 @@ fn correct(kernel: GroupKernel) -> Result<f64, Box<dyn Error>> {
         },
         reconstruction: None,
         groups: (0..10).map(group).collect(),
+        helper_kind: HelperKind::Affine,
+        places: vec![Place::at([0.0; 3]); 10 * proxies],
         pose_ranges: vec![1.0; joints],
         pose_gaps: vec![0.0; joints],
         stretch_ranges: None,

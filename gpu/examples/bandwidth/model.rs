@@ -1,12 +1,13 @@
 //! A model of a given size; its motion does not matter here.
 
 use faer::Mat;
-use sinew_runtime::envelope::{Certificate, GroupKernel};
+use sinew_runtime::envelope::{Certificate, GroupKernel, HelperKind};
 use sinew_runtime::format::Space;
 use sinew_trainer::envelope::model::{
     EnvelopeModel, Feature, FileModel, Group, Input, Shapes, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
+use sinew_trainer::numeric::trs::Place;
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 
@@ -46,6 +47,8 @@ fn envelope() -> EnvelopeModel {
         },
         reconstruction: None,
         groups: (0..HELPERS / GROUP).map(group).collect(),
+        helper_kind: HelperKind::Affine,
+        places: vec![Place::at([0.0; 3]); HELPERS],
         pose_ranges: vec![1.0; JOINTS],
         pose_gaps: vec![0.0; JOINTS],
         stretch_ranges: None,
@@ -58,6 +61,7 @@ fn envelope() -> EnvelopeModel {
             correction_error: 0.0,
             base_training_rms: 0.0,
             other_clip_rms: None,
+            trs_error: 0.0,
         },
     }
 }

@@ -118,7 +118,7 @@ impl SkinBatch {
 
 /// Sections that shaders read; each has the name of its member. `true` marks sections of the skin,
 /// `false` those of the envelope.
-const SECTIONS: [(bool, SectionKind); 17] = [
+const SECTIONS: [(bool, SectionKind); 18] = [
     (false, SectionKind::Hierarchy),
     (true, SectionKind::RestPositions),
     (true, SectionKind::RestNormals),
@@ -136,6 +136,7 @@ const SECTIONS: [(bool, SectionKind); 17] = [
     (false, SectionKind::StretchRanges),
     (false, SectionKind::KeyStretches),
     (false, SectionKind::CurveRanges),
+    (false, SectionKind::HelperPlaces),
 ];
 
 /// Checks a batch against a model and an envelope, and returns its requirements.
@@ -216,7 +217,7 @@ fn counts(
     envelope: &Envelope<'_>,
     skin: Option<&Skin<'_>>,
     batch: &Batch,
-) -> [(&'static str, Member); 11] {
+) -> [(&'static str, Member); 12] {
     let vertices = batch.skin.as_ref().map_or(0..0, |skin| skin.vertices.clone());
     [
         ("vertex_first", vertices.start),
@@ -230,6 +231,7 @@ fn counts(
         ("curve_len", envelope.curve_len()),
         ("root", envelope.root()),
         ("predictor", usize::from(envelope.predictor().number())),
+        ("helper_kind", usize::from(envelope.helper_kind().number())),
     ]
     .map(number)
 }

@@ -101,14 +101,16 @@ impl Stage {
     /// Returns the complete WGSL; the entry point is `main`.
     pub const fn wgsl(self) -> &'static str {
         match self {
-            Self::Polar => wgsl!("params", "blob", "joint", "polar"),
+            Self::Polar => wgsl!("params", "blob", "joint", "nearest", "polar"),
             Self::Gradients => {
                 wgsl!("params", "blob", "numeric", "rotation", "joint", "gradients")
             }
             Self::Palette => wgsl!("params", "blob", "palette"),
             Self::Joints => wgsl!("params", "blob", "joints"),
             Self::Features => wgsl!("params", "blob", "rotation", "joint", "features"),
-            Self::Correction => wgsl!("params", "blob", "numeric", "joint", "correction"),
+            Self::Correction => {
+                wgsl!("params", "blob", "numeric", "joint", "nearest", "correction")
+            }
             Self::Confidence => wgsl!("params", "blob", "numeric", "joint", "confidence"),
             Self::Shapes => wgsl!("shapes_params", "blob", "frame", "shapes"),
             Self::Skin => wgsl!("params", "blob", "frame", "skin"),

@@ -271,6 +271,8 @@ enum sinew_argument
     SINEW_ARGUMENT_TURNS = 39,
     /// Intermediate result: strains of joints that stretch. No function of this library takes it.
     SINEW_ARGUMENT_STRAINS = 40,
+    /// Bones of translation, rotation and scale. No function of this library takes them.
+    SINEW_ARGUMENT_BONES = 41,
     /// Memory for an object; lengths are in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
     /// The file; lengths are in bytes.
@@ -599,6 +601,9 @@ typedef struct sinew_certificate {
     float base_training_rms;
     /// Forecast of the RMS error on an unseen clip; negative if training had one clip.
     float other_clip_rms;
+    /// Largest distance that a vertex moves if helpers become bones of translation, rotation and scale, over the
+    /// training frames.
+    float trs_error;
 } sinew_certificate;
 
 /// Counts of an envelope, and the lengths of all arrays that its calls take.

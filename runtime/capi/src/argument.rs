@@ -88,6 +88,8 @@ pub enum sinew_argument {
     Turns = 39,
     /// Intermediate result: strains of joints that stretch. No function of this library takes it.
     Strains = 40,
+    /// Bones of translation, rotation and scale. No function of this library takes them.
+    Bones = 41,
 
     /// Memory for an object; lengths are in bytes.
     Memory = 50,
@@ -140,7 +142,7 @@ pub enum sinew_argument {
 }
 
 /// Name of each argument.
-const NAMES: [(sinew_argument, &str); 65] = {
+const NAMES: [(sinew_argument, &str); 66] = {
     use sinew_argument as A;
     [
         (A::Call, "call"),
@@ -184,6 +186,7 @@ const NAMES: [(sinew_argument, &str); 65] = {
         (A::Curves, "curves"),
         (A::Turns, "joint rotations"),
         (A::Strains, "strains"),
+        (A::Bones, "bones"),
         (A::Memory, "memory"),
         (A::File, "file"),
         (A::Limits, "limits"),
@@ -263,6 +266,7 @@ impl From<Argument> for sinew_argument {
             Argument::Curves => Self::Curves,
             Argument::Turns => Self::Turns,
             Argument::Strains => Self::Strains,
+            Argument::Bones => Self::Bones,
         }
     }
 }

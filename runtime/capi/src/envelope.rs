@@ -80,6 +80,9 @@ pub struct sinew_certificate {
     pub base_training_rms: f32,
     /// Forecast of the RMS error on an unseen clip; negative if training had one clip.
     pub other_clip_rms: f32,
+    /// Largest distance that a vertex moves if helpers become bones of translation, rotation and scale, over the
+    /// training frames.
+    pub trs_error: f32,
 }
 
 /// Counts of an envelope, and the lengths of all arrays that its calls take.
@@ -227,6 +230,7 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
             correction_error: certificate.correction_error,
             base_training_rms: certificate.base_training_rms,
             other_clip_rms: certificate.other_clip_rms.unwrap_or(-1.0),
+            trs_error: certificate.trs_error,
         },
     }
 }

@@ -3,7 +3,9 @@
 //! A step reads only data that earlier steps have checked. All steps together read each byte a bounded number of
 //! times, and allocate nothing.
 
-use super::counts::{BIND_TOLERANCE, EnvelopeCounts, NO_JOINT, RULES, TWIST_MAX, place};
+use super::counts::{
+    BIND_TOLERANCE, EnvelopeCounts, HelperKind, NO_JOINT, RULES, TWIST_MAX, place,
+};
 use super::group::{GroupKernel, GroupRow};
 use super::view::{Envelope, joint_index};
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
@@ -29,6 +31,7 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
         if cfg!(feature = "curves") && corrects { loading.limits.curves.min(indexed) } else { 0 };
     // Curves alone may drive the helpers.
     let alone = cfg!(feature = "curves") && corrects;
+    let kinds = if cfg!(feature = "trs") && corrects { HelperKind::Rigid as u32 } else { 0 };
     let joints = u32::from(!alone || counts.curve_len == 0);
     let proxies = u32::from(!alone || counts.joint_len == 0);
     let ranges = [
@@ -37,6 +40,7 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
         (place::PROXIES, proxies, loading.limits.proxies.min(indexed)),
         (place::GROUPS, 0, groups),
         (place::STRETCHES, 0, u32::from(cfg!(feature = "stretch") && counts.joint_len > 0)),
+        (place::HELPER_KIND, 0, kinds),
     ];
     check_counts(loading, section, words, &ranges)?;
     Ok(counts.asked())
@@ -48,7 +52,8 @@ pub(crate) fn content(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked
 }
 
 /// Checks of the content, in order. Calls through pointers are not inlined, so the checks share stack space.
-static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7 + cfg!(feature = "curves") as usize] = [
+static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked;
+    7 + cfg!(feature = "curves") as usize + cfg!(feature = "trs") as usize] = [
     |envelope, loading| check_names(loading, envelope.names()),
     check_hierarchy,
     |envelope, loading| check_floats(loading, &envelope.0, &RULES),
@@ -58,6 +63,8 @@ static CHECKS: [fn(&Envelope<'_>, &Loading<'_>) -> Checked; 7 + cfg!(feature = "
     check_corrections,
     #[cfg(feature = "curves")]
     check_curves,
+    #[cfg(feature = "trs")]
+    check_places,
 ];
 
 /// Checks that only the root has no parent, and that the evaluation order is a permutation with parents first.
@@ -164,6 +171,20 @@ fn check_curves(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let mut ranges = envelope.curve_ranges().iter().map(floats);
     match ranges.position(|[least, most]| least > most) {
         Some(curve) => loading.invalid(SectionKind::CurveRanges, curve),
+        None => Ok(()),
+    }
+}
+
+/// Checks that no spread is larger than 2, and that the diagonal of each is at least a hundredth.
+#[cfg(feature = "trs")]
+fn check_places(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
+    let is_wrong = |words: &[Le; 9]| {
+        let (_, spread) = super::trs::place(words);
+        let [xx, _, _, yy, _, zz] = spread;
+        spread.iter().any(|entry| entry.abs() > 2.0) || [xx, yy, zz].iter().any(|own| *own < 0.01)
+    };
+    match envelope.helper_places().iter().position(is_wrong) {
+        Some(helper) => loading.invalid(SectionKind::HelperPlaces, helper),
         None => Ok(()),
     }
 }

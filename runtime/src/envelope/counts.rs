@@ -70,6 +70,42 @@ impl Predictor {
     }
 }
 
+named! {
+    /// Transforms that the helpers of an envelope may have (METHOD §1.13).
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    #[repr(u8)]
+    pub enum HelperKind {
+        /// Any affine transform.
+        #[default]
+        Affine = 0, "affine";
+        /// Translation, rotation and scale along the model's axes at rest, as bones of engines hold them.
+        Trs = 1, "trs";
+        /// Translation and rotation.
+        Rigid = 2, "rigid";
+    }
+    /// Every kind.
+    ALL;
+    /// Returns the kind's name on the command line.
+    name;
+}
+
+impl HelperKind {
+    /// Returns the kind's number in the file.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Returns the kind with a number; `None` if there is none.
+    pub const fn from_number(number: u32) -> Option<Self> {
+        match number {
+            0 => Some(Self::Affine),
+            1 => Some(Self::Trs),
+            2 => Some(Self::Rigid),
+            _ => None,
+        }
+    }
+}
+
 /// Sentinel for "no forecast" in the file.
 const NO_FORECAST: f32 = -1.0;
 
@@ -91,16 +127,19 @@ pub struct Certificate {
     pub base_training_rms: f32,
     /// Forecast of the RMS error on another clip, from fits that left clips out. `None` if training had one clip.
     pub other_clip_rms: Option<f32>,
+    /// Largest distance over vertices and training frames between the skin of [`super::Envelope::palette`] and the skin
+    /// of [`super::Envelope::palette_trs`].
+    pub trs_error: f32,
 }
 
 impl Certificate {
     /// Bytes of section `certificate`.
     #[cfg_attr(feature = "internals", visibility::make(pub))]
-    pub(crate) const BYTES: usize = 28;
+    pub(crate) const BYTES: usize = 32;
 
     /// Lists the figures in the order of the file.
     #[cfg_attr(feature = "internals", visibility::make(pub))]
-    pub(crate) const fn figures(&self) -> [f32; 7] {
+    pub(crate) const fn figures(&self) -> [f32; 8] {
         [
             self.diagonal,
             self.training_rms,
@@ -112,14 +151,15 @@ impl Certificate {
                 Some(rms) => rms,
                 None => NO_FORECAST,
             },
+            self.trs_error,
         ]
     }
 
     /// Makes a certificate from figures in the order of the file.
     #[cfg_attr(feature = "internals", visibility::make(pub))]
-    pub(crate) const fn from_figures(figures: [f32; 7]) -> Self {
+    pub(crate) const fn from_figures(figures: [f32; 8]) -> Self {
         let [diagonal, training_rms, same_clips_rms, lbs_training_rms, ..] = figures;
-        let [.., correction_error, base_training_rms, other_clip] = figures;
+        let [.., correction_error, base_training_rms, other_clip, trs_error] = figures;
         Self {
             diagonal,
             training_rms,
@@ -128,6 +168,7 @@ impl Certificate {
             correction_error,
             base_training_rms,
             other_clip_rms: if other_clip == NO_FORECAST { None } else { Some(other_clip) },
+            trs_error,
         }
     }
 }
@@ -151,11 +192,13 @@ pub struct EnvelopeCounts {
     pub stretches: bool,
     /// Curves, C; 0 for a rotational envelope.
     pub curve_len: u32,
+    /// Transforms that the helpers may have; affine for a rotational envelope.
+    pub helper_kind: HelperKind,
 }
 
 impl EnvelopeCounts {
     /// Bytes of section `envelope_counts`.
-    pub const BYTES: usize = 32;
+    pub const BYTES: usize = 36;
 
     /// Returns the number of transforms in the palette: P, or J + P for the kernel predictor.
     pub const fn palette_len(&self) -> usize {
@@ -176,15 +219,25 @@ impl EnvelopeCounts {
     }
 
     /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 8] {
+    pub const fn words(&self) -> [u32; 9] {
         let Self { predictor, joint_len, proxy_len, root, group_len, correction_len, .. } = *self;
         let (stretches, curve_len) = (self.stretches as u32, self.curve_len);
-        let predictor = predictor as u32;
-        [predictor, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len]
+        let (predictor, kind) = (predictor as u32, self.helper_kind as u32);
+        [
+            predictor,
+            joint_len,
+            proxy_len,
+            root,
+            group_len,
+            correction_len,
+            stretches,
+            curve_len,
+            kind,
+        ]
     }
 
     /// Makes counts from words in the order of the file; `None` if the predictor is unknown.
-    pub const fn from_words(words: [u32; 8]) -> Option<Self> {
+    pub const fn from_words(words: [u32; 9]) -> Option<Self> {
         match Predictor::from_number(words[place::PREDICTOR]) {
             Some(predictor) => Some(Self::of(predictor, words)),
             None => None,
@@ -200,9 +253,13 @@ impl EnvelopeCounts {
         }
     }
 
-    const fn of(predictor: Predictor, words: [u32; 8]) -> Self {
-        let [_, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len] =
+    const fn of(predictor: Predictor, words: [u32; 9]) -> Self {
+        let [_, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len, kind] =
             words;
+        let helper_kind = match HelperKind::from_number(kind) {
+            Some(helper_kind) if cfg!(feature = "trs") => helper_kind,
+            _ => HelperKind::Affine,
+        };
         Self {
             predictor,
             joint_len,
@@ -212,6 +269,7 @@ impl EnvelopeCounts {
             correction_len,
             stretches: cfg!(feature = "stretch") && stretches != 0,
             curve_len: if cfg!(feature = "curves") { curve_len } else { 0 },
+            helper_kind,
         }
     }
 
@@ -253,6 +311,7 @@ pub(crate) mod place {
     pub(crate) const CORRECTION: usize = 5;
     pub(crate) const STRETCHES: usize = 6;
     pub(crate) const CURVES: usize = 7;
+    pub(crate) const HELPER_KIND: usize = 8;
 }
 
 /// Flag of an envelope with keys, c1 and c2.
@@ -273,7 +332,9 @@ const _: () = assert!(RULES.len() <= SECTIONS && EnvelopeCounts::BYTES <= 4 * CO
 
 /// Rules for the sections of an envelope. Sizes: 1, J, P, blocks of 8 rows in 4 P, G, C, J + C.
 pub(crate) const RULES: [Rule;
-    12 + 2 * cfg!(feature = "stretch") as usize + cfg!(feature = "curves") as usize] = [
+    12 + 2 * cfg!(feature = "stretch") as usize
+        + cfg!(feature = "curves") as usize
+        + cfg!(feature = "trs") as usize] = [
     Rule::new(SectionKind::EnvelopeCounts, EnvelopeCounts::BYTES as u8, [0, 0]),
     Rule::floats(SectionKind::Certificate, Certificate::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [6, 0]).or_more(4),
@@ -292,4 +353,6 @@ pub(crate) const RULES: [Rule;
     Rule::floats(SectionKind::KeyStretches, 4 * 36, [2, 0]).with(STRETCHES_KEYS),
     #[cfg(feature = "curves")]
     Rule::floats(SectionKind::CurveRanges, 8, [5, 0]).with(CURVES),
+    #[cfg(feature = "trs")]
+    Rule::floats(SectionKind::HelperPlaces, 36, [2, 0]),
 ];

@@ -85,6 +85,8 @@ pub(crate) fn correction(
         let dominant = dominant(pose, group.joint);
         error = error.plus(add_correction(&group, dominant, features, scratch, out));
     }
+    #[cfg(feature = "trs")]
+    super::trs::project(envelope, helpers);
     let curves = features.len().saturating_sub(envelope.curve_len());
     let curves = confidence::of_curves(envelope, features.get(curves..).unwrap_or_default());
     let joints = confidence::of_joints(envelope, pose, features);

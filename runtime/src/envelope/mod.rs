@@ -21,6 +21,8 @@ pub(crate) mod polar;
 pub(crate) mod pose;
 pub(crate) mod rotational;
 mod scratch;
+#[cfg(feature = "trs")]
+pub(crate) mod trs;
 mod view;
 
 pub(crate) use counts::RULES;
@@ -28,7 +30,7 @@ pub(crate) use counts::RULES;
 pub(crate) use counts::{
     BIND_TOLERANCE, ENVELOPE_SECTIONS, EnvelopeCounts, KEY_WORDS, NO_JOINT, STRAIN_LEN, TWIST_MAX,
 };
-pub use counts::{Certificate, Predictor};
+pub use counts::{Certificate, HelperKind, Predictor};
 #[cfg_attr(feature = "internals", visibility::make(pub))]
 pub(crate) use group::{Group, GroupConfidence, GroupKernel, GroupRow};
 pub use pose::{
@@ -39,6 +41,8 @@ pub use pose::{
 pub(crate) use pose::{CURVE_MARGIN, GAP_MARGIN, GAP_TOLERANCE, RIGID_TOLERANCE, STRETCH_MARGIN};
 #[cfg_attr(feature = "internals", visibility::make(pub))]
 pub(crate) use scratch::{ScratchLayout, scratch_len};
+#[cfg(feature = "trs")]
+pub use trs::Trs;
 pub use view::Envelope;
 #[cfg_attr(feature = "internals", visibility::make(pub))]
 pub(crate) use view::Key;

@@ -49,10 +49,19 @@ pub(crate) fn strain(map: &Matrix3x4) -> [f32; STRAIN_LEN] {
 
 /// Returns the rotation nearest to a linear part L.
 fn rotation(map: &Matrix3x4) -> Columns {
-    let [mut x, mut y, mut z, _] = columns(map);
-    // Newton's iteration `X <- (X + X^-T) / 2` (Higham 1986), from a matrix of the norm of a rotation.
+    let [x, y, z, _] = columns(map);
+    nearest_rotation(normed([x, y, z]))
+}
+
+/// Scales a matrix to the norm of a rotation.
+pub(crate) fn normed([x, y, z]: Columns) -> Columns {
     let scale = sqrt(3.0 / (dot(x, x) + dot(y, y) + dot(z, z)));
-    [x, y, z] = [x, y, z].map(|column| column.map(|value| value * scale));
+    [x, y, z].map(|column| column.map(|value| value * scale))
+}
+
+/// Returns the orthogonal matrix nearest to a matrix of the norm of a rotation. It mirrors if the matrix mirrors.
+pub(crate) fn nearest_rotation([mut x, mut y, mut z]: Columns) -> Columns {
+    // Newton's iteration `X <- (X + X^-T) / 2` (Higham 1986).
     for _ in 0..STEPS {
         let [a, b, c] = [cross(y, z), cross(z, x), cross(x, y)];
         let half = 0.5 / dot(x, a);

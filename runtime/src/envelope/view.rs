@@ -1,6 +1,8 @@
 //! An envelope in a loaded file, and accessors to its arrays.
 
-use super::counts::{Certificate, EnvelopeCounts, KEY_WORDS, NO_JOINT, Predictor, RULES, place};
+use super::counts::{
+    Certificate, EnvelopeCounts, HelperKind, KEY_WORDS, NO_JOINT, Predictor, RULES, place,
+};
 use super::group::GroupRow;
 use super::pose::Pose;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -27,6 +29,8 @@ const STRETCH_RANGES: usize = Rule::place(&RULES, SectionKind::StretchRanges);
 const KEY_STRETCHES: usize = Rule::place(&RULES, SectionKind::KeyStretches);
 #[cfg(feature = "curves")]
 const CURVE_RANGES: usize = Rule::place(&RULES, SectionKind::CurveRanges);
+#[cfg(feature = "trs")]
+const HELPER_PLACES: usize = Rule::place(&RULES, SectionKind::HelperPlaces);
 
 /// Envelope of J joints and P proxies or helpers, which predicts a palette from a pose; borrowed from a loaded model.
 ///
@@ -81,6 +85,11 @@ impl<'a> Envelope<'a> {
     /// Returns the predictor of the palette.
     pub const fn predictor(&self) -> Predictor {
         self.counts().predictor
+    }
+
+    /// Returns the transforms that the helpers may have.
+    pub const fn helper_kind(&self) -> HelperKind {
+        self.counts().helper_kind
     }
 
     /// Returns G, the number of groups of helpers that share a kernel map.
@@ -177,6 +186,25 @@ impl<'a> Envelope<'a> {
         (proxy < self.proxy_len()).then(|| self.keys().nth(proxy))??.to_key()
     }
 
+    /// Returns the centre of a helper, or of a proxy, in the rest pose, in model space: the mean of the vertices that it
+    /// moves, by squared weights. The rest frame of a bone of [`Envelope::palette_trs`] is the translation to the centre.
+    #[cfg(feature = "trs")]
+    pub fn helper_centre(&self, helper: usize) -> Option<[f32; 3]> {
+        self.helper_place(helper).map(|(centre, _)| centre)
+    }
+
+    /// Returns the spread of the vertices that a helper, or a proxy, moves: their covariance by squared weights, xx, xy,
+    /// xz, yy, yz, zz, without a unit. It decides which rotation and scale of a bone are nearest to a palette entry.
+    #[cfg(feature = "trs")]
+    pub fn helper_spread(&self, helper: usize) -> Option<[f32; 6]> {
+        self.helper_place(helper).map(|(_, spread)| spread)
+    }
+
+    #[cfg(feature = "trs")]
+    fn helper_place(&self, helper: usize) -> Option<([f32; 3], [f32; 6])> {
+        self.0.entry(HELPER_PLACES, self.proxy_len(), helper).map(super::trs::place)
+    }
+
     /// Returns a coefficient of c1 (4 P x 3 P).
     #[cfg_attr(feature = "internals", visibility::make(pub))]
     pub(crate) fn c1(&self, row: usize, column: usize) -> Option<f32> {
@@ -253,6 +281,12 @@ impl<'a> Envelope<'a> {
         return self.0.array(CURVE_RANGES);
         #[cfg(not(feature = "curves"))]
         &[]
+    }
+
+    /// Returns the centre and the spread of each proxy.
+    #[cfg(feature = "trs")]
+    pub(crate) fn helper_places(&self) -> &'a [[Le; 9]] {
+        self.0.array(HELPER_PLACES)
     }
 
     /// Lists the key predictors.

@@ -9,13 +9,7 @@ use crate::linear::Le;
 use core::num::NonZeroU16;
 
 /// Largest number of counts of any kind of part.
-pub(crate) const COUNTS: usize = if cfg!(feature = "views") {
-    11
-} else if cfg!(feature = "shapes") {
-    9
-} else {
-    8
-};
+pub(crate) const COUNTS: usize = if cfg!(feature = "views") { 11 } else { 9 };
 /// Largest number of sizes in the rules of any kind of part.
 const SIZES: usize =
     match (cfg!(feature = "views"), cfg!(feature = "shapes"), cfg!(feature = "kernel")) {
@@ -31,7 +25,9 @@ pub(crate) const SECTIONS: usize = if cfg!(feature = "shapes") {
     16
 } else {
     // Those of an envelope.
-    12 + 2 * cfg!(feature = "stretch") as usize + cfg!(feature = "curves") as usize
+    12 + 2 * cfg!(feature = "stretch") as usize
+        + cfg!(feature = "curves") as usize
+        + cfg!(feature = "trs") as usize
 };
 
 /// Counts of a part and the offsets of its arrays. The layout borrows nothing: it can be kept beside

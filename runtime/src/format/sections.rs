@@ -153,6 +153,8 @@ named! {
         KeyStretches = 71, "key_stretches";
         /// Least and greatest value of each curve in training.
         CurveRanges = 72, "curve_ranges";
+        /// Centre and spread of the vertices that each proxy moves, in the rest pose.
+        HelperPlaces = 73, "helper_places";
     }
     /// Every kind, by number.
     #[cfg_attr(feature = "internals", visibility::make(pub))]

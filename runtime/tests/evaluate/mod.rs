@@ -14,4 +14,5 @@ mod refusals;
 mod rest_mesh;
 mod scratch;
 mod shapes;
+mod trs;
 mod views;

@@ -54,6 +54,7 @@ const fn counts(predictor: Predictor, shape: Shape, correction_len: u32) -> Enve
         correction_len,
         stretches: shape.stretches,
         curve_len: curves as u32,
+        helper_kind: shape.kind,
     }
 }
 

@@ -17,6 +17,7 @@ fn each_float_is_checked() {
         (SectionKind::C1, 0),
         (SectionKind::C2, 0),
         (SectionKind::PoseRanges, 0),
+        (SectionKind::HelperPlaces, 0),
     ];
     let skin = [
         SectionKind::RestPositions,
@@ -42,11 +43,40 @@ fn each_float_is_checked() {
     ] {
         assert_eq!(negative(error.section.unwrap()), Err(FileError { index: 1, ..error }));
     }
-    for index in 0..7 {
+    for index in 0..8 {
         let refused = edited(|b| b.set_float(SectionKind::Certificate, index, f32::NAN));
         let error = envelope_error(Kind::Float, SectionKind::Certificate);
         assert_eq!(refused, Err(FileError { index: index as u32, ..error }));
     }
+}
+
+#[test]
+fn the_spread_and_the_kind_of_helpers_are_checked() {
+    let section = SectionKind::HelperPlaces;
+    // Of helper 1: xx, yy, zz, then xy.
+    for (at, value, is_right) in [
+        (12, 0.01, true),
+        (12, 0.009, false),
+        (15, -0.5, false),
+        (17, 0.0, false),
+        (17, 2.0, true),
+        (13, -2.0, true),
+        (13, 2.1, false),
+        (9, -1e9, true),
+    ] {
+        let found = edited(|b| b.set_float(section, at, value));
+        let wrong = FileError { index: 1, ..envelope_error(Kind::Invalid, section) };
+        assert_eq!(found, if is_right { Ok(()) } else { Err(wrong) }, "{at} {value}");
+    }
+    let kind = |predictor, kind| {
+        let mut pieces = Pieces::small(predictor);
+        pieces.set_word(SectionKind::EnvelopeCounts, 8, kind);
+        Model::from_bytes(pieces.bytes()).map(|_| ()).map_err(|error| (error.section, error.index))
+    };
+    let refused = Err((Some(SectionKind::EnvelopeCounts), 8));
+    assert_eq!([0, 1, 2].map(|number| kind(Predictor::Kernel, number)), [Ok(()); 3]);
+    assert_eq!(kind(Predictor::Kernel, 3), refused);
+    assert_eq!(kind(Predictor::Rotational, 1), refused);
 }
 
 /// Loads a sample whose joints stretch after `edit`.

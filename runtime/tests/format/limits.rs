@@ -15,7 +15,7 @@ fn limits_are_honoured() {
     let exact = Limits {
         file_bytes: bytes.len() as u32,
         parts: 5,
-        sections: 9 + 11 + 9 + 11 + 7 + 6,
+        sections: 10 + 11 + 10 + 11 + 7 + 6,
         vertices: SMALL.vertices as u32,
         joints: SMALL.joints as u32,
         proxies: SMALL.proxies as u32,
@@ -36,7 +36,7 @@ fn limits_are_honoured() {
     let file_bytes = less(exact.file_bytes);
     refused(Limits { file_bytes, ..exact }, whole(0), file_bytes);
     refused(Limits { parts: 4, ..exact }, whole(1), 4);
-    refused(Limits { sections: 52, ..exact }, whole(2), 52);
+    refused(Limits { sections: 54, ..exact }, whole(2), 54);
     refused(Limits { vertices: 6, ..exact }, skin(0), 6);
     refused(Limits { joints: 3, ..exact }, envelope(1), 3);
     refused(Limits { proxies: 2, ..exact }, envelope(2), 2);

@@ -87,10 +87,10 @@ fn accessors_give_what_was_written() {
         model.named::<Envelope>("arm").is_some() && model.named::<Envelope>("sleeve").is_none()
     );
     assert!(model.named::<Skin>("sleeve").is_some() && model.named::<Skin>("arm").is_none());
-    assert_eq!((model.parts().len(), model.sections().len()), (2, 20));
+    assert_eq!((model.parts().len(), model.sections().len()), (2, 21));
     assert_eq!((model.as_bytes(), model.space()), (bytes.as_slice(), Space::default()));
     let first = model.sections().next().unwrap();
-    assert_eq!(model.blob()[..32], *first.bytes);
+    assert_eq!(model.blob()[..36], *first.bytes);
     assert_eq!(model.into_bytes(), bytes);
 }
 

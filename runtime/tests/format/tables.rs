@@ -3,7 +3,7 @@
 use crate::common::file_error;
 use crate::format::{edited, error};
 use models::{Content, JOINTLESS, Pieces, SMALL, STRETCHING};
-use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, Predictor};
+use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, HelperKind, Predictor};
 use sinew_runtime::format::{Element, PartKind, PartRow, SectionKind, SectionRow};
 use sinew_runtime::skin::{SKIN_SECTIONS, SkinCounts};
 use sinew_runtime::{Envelope, FileError, FileErrorKind as Kind, Model, Skin};
@@ -40,7 +40,7 @@ fn each_row_of_the_part_table_is_checked() {
 fn each_row_of_the_section_table_is_checked() {
     let extra = Content::unknown;
     let unknown = |part, found| {
-        Err(FileError { part: Some(part), index: 20, found, ..file_error(Kind::Unsupported) })
+        Err(FileError { part: Some(part), index: 21, found, ..file_error(Kind::Unsupported) })
     };
     for part in [0, 1] {
         assert_eq!(edited(|b| b.sections.push(extra(999, part, 0))), Ok(()));
@@ -63,7 +63,7 @@ fn each_row_of_the_section_table_is_checked() {
     let element = Content { element: 200, ..Content::new(SectionKind::Keys, 2, vec![1; 5]) };
     assert_eq!(further(element), Ok(()), "whatever they say that they are");
     assert_eq!(further(extra(999, 2, 3)), unknown(2, 3), "but for their flags");
-    let nowhere = FileError { index: 20, expected: 2, found: 2, ..file_error(Kind::PartIndex) };
+    let nowhere = FileError { index: 21, expected: 2, found: 2, ..file_error(Kind::PartIndex) };
     assert_eq!(edited(|b| b.sections.push(extra(999, 2, 0))), Err(nowhere));
     // Of a row in the file's own order: its part and its kind.
     let own = Pieces::small(Predictor::Rotational);
@@ -76,10 +76,10 @@ fn each_row_of_the_section_table_is_checked() {
     let again = Content::new(SectionKind::RestNormals, 1, vec![0; 84]);
     assert_eq!(
         edited(|b| b.sections.push(again)),
-        at(Kind::Duplicate, 20, (1, Some(SectionKind::RestNormals)), 0, 0)
+        at(Kind::Duplicate, 21, (1, Some(SectionKind::RestNormals)), 0, 0)
     );
     let twice = |part| edited(|b| b.sections.extend([extra(999, 0, 0), extra(999, part, 0)]));
-    assert_eq!(twice(0), at(Kind::Duplicate, 21, (0, None), 0, 0));
+    assert_eq!(twice(0), at(Kind::Duplicate, 22, (0, None), 0, 0));
     assert_eq!(twice(1), Ok(()), "a kind of another part");
     let rows = |edit: fn(&mut [SectionRow])| {
         let file = Pieces::small(Predictor::Rotational).bytes_with_rows(edit);
@@ -95,10 +95,10 @@ fn each_row_of_the_section_table_is_checked() {
     assert_eq!(rows(|r| r[3].offset = 0), at(Kind::Overlap, 3, own(3), end(2), 0));
     let longer = at(Kind::Overlap, 4, own(4), end(3) + 64, sound[4].offset);
     assert_eq!(rows(|r| r[3].bytes += 64), longer);
-    let beyond = |found| at(Kind::Bounds, 19, own(19), blob, found);
-    assert_eq!(rows(|r| r[19].offset += 1 << 20), beyond(end(19) + (1 << 20)));
-    assert_eq!(rows(|r| r[19].bytes = u32::MAX), beyond(u32::MAX));
-    assert_eq!(rows(|r| r[19].offset = 0xffff_fff0), beyond(0xffff_fff0 + sound[19].bytes));
+    let beyond = |found| at(Kind::Bounds, 20, own(20), blob, found);
+    assert_eq!(rows(|r| r[20].offset += 1 << 20), beyond(end(20) + (1 << 20)));
+    assert_eq!(rows(|r| r[20].bytes = u32::MAX), beyond(u32::MAX));
+    assert_eq!(rows(|r| r[20].offset = 0xffff_fff0), beyond(0xffff_fff0 + sound[20].bytes));
     assert_eq!(rows(|r| r.swap(3, 4)), at(Kind::Overlap, 4, own(3), end(4), third));
     let pieces = Pieces::small(Predictor::Rotational);
     let odd = pieces.bytes_with(|file| {
@@ -144,6 +144,7 @@ fn each_section_is_required_and_has_its_length() {
         correction_len: u32::MAX,
         stretches: true,
         curve_len: 0,
+        helper_kind: HelperKind::Affine,
     };
     assert_eq!(huge.section_bytes(SectionKind::C2), None);
     assert_eq!(huge.section_bytes(SectionKind::Names), Some(1 << 34));

@@ -116,6 +116,7 @@ fn envelopes_are_described() {
         assert_eq!(found.correction_error, expected.correction_error);
         assert_eq!(found.base_training_rms, expected.base_training_rms);
         assert_eq!(found.other_clip_rms, expected.other_clip_rms.unwrap_or(-1.0));
+        assert_eq!(found.trs_error, expected.trs_error);
     });
 }
 

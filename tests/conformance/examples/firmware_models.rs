@@ -4,7 +4,7 @@ use conformance::models::{Shape, random_with, row_major, trained, with_coefficie
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::envelope::{GroupKernel, Predictor};
+use sinew_runtime::envelope::{GroupKernel, HelperKind, Predictor};
 use sinew_trainer::envelope::model::{Feature, Group, Input};
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
@@ -52,6 +52,7 @@ fn bar(predictor: Predictor) -> Vec<u8> {
         coefficients: false,
         stretches: false,
         curves: 0,
+        kind: HelperKind::Affine,
     };
     let groups = if predictor.corrects() { groups(shape) } else { Vec::new() };
     random_with(shape, groups, vec![10.0; shape.joints])

@@ -6,7 +6,7 @@ use faer::{Mat, MatRef};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sinew_runtime::envelope::{Certificate, GroupKernel, Predictor, STRAIN_LEN};
+use sinew_runtime::envelope::{Certificate, GroupKernel, HelperKind, Predictor, STRAIN_LEN};
 use sinew_runtime::format::SectionKind;
 use sinew_trainer::envelope::model::{
     Curve, EnvelopeModel, FeatureOrder, FileModel, Group, Input, Key, Reconstruction, Shapes,
@@ -16,6 +16,7 @@ use sinew_trainer::envelope::s3::ProxyCount;
 use sinew_trainer::envelope::{Options, Predict, train};
 use sinew_trainer::examples::demo::{DemoOptions, demo};
 use sinew_trainer::examples::{Examples, Skeleton, npz};
+use sinew_trainer::numeric::trs::Place;
 use sinew_trainer::progress::Silent;
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
@@ -43,6 +44,8 @@ pub struct Shape {
     pub stretches: bool,
     /// C.
     pub curves: usize,
+    /// Kind of the helpers.
+    pub kind: HelperKind,
 }
 
 impl Shape {
@@ -58,6 +61,7 @@ impl Shape {
             coefficients: false,
             stretches: false,
             curves: 0,
+            kind: HelperKind::Affine,
         }
     }
 
@@ -67,6 +71,10 @@ impl Shape {
 
     const fn stretching(self) -> Self {
         Self { stretches: true, ..self }
+    }
+
+    const fn of_kind(self, kind: HelperKind) -> Self {
+        Self { kind, ..self }
     }
 
     const fn with_curves(self, curves: usize) -> Self {
@@ -87,7 +95,7 @@ impl Shape {
 
 /// Odd counts, one and zero wherever they are allowed. The first shape with a correction has six
 /// groups. Shapes with one joint and without joints follow curves too.
-pub const SHAPES: [Shape; 19] = [
+pub const SHAPES: [Shape; 22] = [
     Shape::new(Predictor::Rotational, [37, 6, 5, 4], true),
     Shape::new(Predictor::Rotational, [61, 3, 8, 3], false),
     Shape::new(Predictor::Rotational, [1, 1, 1, 1], true),
@@ -107,6 +115,9 @@ pub const SHAPES: [Shape; 19] = [
     Shape::new(Predictor::Kernel, [6, 1, 3, 2], false).stretching().with_curves(1),
     Shape::new(Predictor::Kernel, [53, 0, 9, 4], true).with_coefficients().with_curves(11),
     Shape::new(Predictor::Kernel, [7, 3, 4, 3], false).with_curves(5),
+    Shape::new(Predictor::Kernel, [59, 6, 9, 4], true).of_kind(HelperKind::Trs),
+    Shape::new(Predictor::Kernel, [39, 6, 9, 4], false).stretching().of_kind(HelperKind::Trs),
+    Shape::new(Predictor::Kernel, [9, 3, 4, 3], false).of_kind(HelperKind::Rigid),
 ];
 
 /// Returns the first shape of a predictor.
@@ -225,6 +236,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
         ranges: Vec::new(),
         shapes: Shapes::default(),
     };
+    let place = |l: usize| Place::at([0.3 * l as f64, 0.5, -0.2]);
     let envelope = EnvelopeModel {
         name: "random".to_owned(),
         skeleton: Skeleton {
@@ -236,6 +248,8 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
+        helper_kind: shape.kind,
+        places: (0..proxies).map(place).collect(),
         pose_ranges,
         pose_gaps: vec![0.0; joints],
         stretch_ranges: shape.stretches.then(|| (0..joints).map(stretch_range).collect()),
@@ -248,6 +262,7 @@ pub fn random_with(shape: Shape, groups: Vec<Group>, pose_ranges: Vec<f64>) -> V
             correction_error: 0.0,
             base_training_rms: 0.0,
             other_clip_rms: None,
+            trs_error: 0.0,
         },
     };
     let model = FileModel { envelopes: vec![envelope], skins: vec![skin], ..Default::default() };

@@ -6,7 +6,7 @@ use crate::parts::{
 use crate::poses::{curves, pose};
 use crate::views::{evaluate_views, read_views};
 use models::{Rest, cells};
-use sinew_runtime::envelope::{Key, Predictor, ScratchLayout};
+use sinew_runtime::envelope::{Key, Predictor, ScratchLayout, Trs};
 use sinew_runtime::skin::{Bounds, Output};
 use sinew_runtime::{
     CallError, Envelope, Filter, KernelMap, Limits, Matrix3x4, Model, Prior, Record, ShapesJob,
@@ -63,6 +63,11 @@ fn read_envelope(envelope: &Envelope<'_>, file: &[u8], is_followed: bool) {
         assert!(envelope.parent(joint).is_none_or(|parent| parent < joint_len));
         let range = envelope.stretch_range(joint).expect("a joint has a range");
         assert!(range == 0.0 || range > 0.0 && envelope.stretches());
+    }
+    for helper in 0..envelope.proxy_len() {
+        assert!(envelope.helper_centre(helper).is_some());
+        let [xx, _, _, yy, _, zz] = envelope.helper_spread(helper).expect("a helper has a spread");
+        assert!([xx, yy, zz].iter().all(|own| (0.01..=2.0).contains(own)));
     }
     for curve in 0..envelope.curve_len() {
         assert!(envelope.curve_name(curve).is_some());
@@ -180,6 +185,12 @@ pub fn evaluate_pose<B: AsRef<[u8]>>(
         Err(error) => panic!("{named}: {error}"),
     }
     check(&named, "palette", palette.as_flattened().as_flattened());
+    let mut bones = vec![Trs::IDENTITY; envelope.proxy_len()];
+    let confidence = envelope.palette_trs(pose, curves, &mut scratch, &mut palette, &mut bones);
+    assert!(confidence.is_ok(), "{named}: {confidence:?}");
+    for Trs { translation, rotation, scale } in bones {
+        check(&named, "bones", &[&translation[..], &rotation, &scale].concat());
+    }
     for skin in model.all::<Skin>().filter(|skin| skin.envelope_part() == Some(envelope.part())) {
         evaluate_skin(&skin, &palette, &named);
     }

@@ -1,8 +1,8 @@
 //! Seed files, from which every mutation starts.
 
 use models::{
-    FilterContent, GOLDEN, GOLDEN_STRETCH, JOINTLESS, KernelContent, Pieces, RecordContent,
-    ShapeContent, ViewsContent,
+    FilterContent, GOLDEN, GOLDEN_KIND, GOLDEN_STRETCH, JOINTLESS, KernelContent, Pieces,
+    RecordContent, ShapeContent, ViewsContent,
 };
 use sinew_runtime::FileError;
 use sinew_runtime::envelope::Predictor;
@@ -18,7 +18,8 @@ use std::sync::LazyLock;
 pub fn files() -> &'static [Vec<u8>] {
     static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
         let several = several().expect("the golden files are sound");
-        let goldens = GOLDEN.into_iter().chain(GOLDEN_STRETCH).map(<[u8]>::to_vec);
+        let goldens =
+            GOLDEN.into_iter().chain(GOLDEN_STRETCH).chain(GOLDEN_KIND).map(<[u8]>::to_vec);
         goldens.chain([several]).collect()
     });
     &FILES

@@ -6,7 +6,7 @@ use arbitrary::{Result, Unstructured};
 use faer::Mat;
 use nalgebra::{Matrix3, SMatrix};
 use sinew_runtime::envelope::{
-    Certificate, GroupConfidence, GroupKernel, NO_JOINT, Predictor, TWIST_MAX,
+    Certificate, GroupConfidence, GroupKernel, HelperKind, NO_JOINT, Predictor, TWIST_MAX,
 };
 use sinew_runtime::format::{Axis, CORRECTION_MAX, Handedness, MAGNITUDE_MAX, Space};
 use sinew_runtime::{Envelope, Model, Skin};
@@ -15,6 +15,7 @@ use sinew_trainer::envelope::model::{
     ShapeNumbers, Shapes, Shear, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
+use sinew_trainer::numeric::trs::Place;
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 use std::ops::Range;
@@ -107,6 +108,12 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
         },
         reconstruction,
         groups,
+        helper_kind: if predictor.corrects() {
+            *u.choose(&HelperKind::ALL)?
+        } else {
+            HelperKind::Affine
+        },
+        places: list(proxy_len, || place(u))?,
         stretch_ranges: match order.stretches {
             true => Some(list(joint_len, || float(u, 4.0).map(f64::abs))?),
             false => None,
@@ -119,6 +126,13 @@ fn envelope(u: &mut Unstructured<'_>) -> Result<EnvelopeModel> {
         pose_gaps: list(joint_len, || float(u, 4.0).map(f64::abs))?,
         certificate: Certificate { diagonal: float(u, 1e3)? as f32, ..Certificate::default() },
     })
+}
+
+/// Describes the place of a helper, with the spread of rounded numbers.
+fn place(u: &mut Unstructured<'_>) -> Result<Place> {
+    let mut number = || Ok(f64::from(float(u, MAGNITUDE_MAX)? as f32));
+    let centre = [number()?, number()?, number()?];
+    Ok(Place { spread: Matrix3::from_diagonal_element(0.25), ..Place::at(centre) })
 }
 
 /// Describes a skin that follows one of the envelopes, or none.
@@ -309,6 +323,13 @@ fn compare(parts: &EnvelopeModel, envelope: &Envelope<'_>) {
     assert_eq!(envelope.stretches(), parts.stretch_ranges.is_some());
     for (joint, range) in parts.stretch_ranges.iter().flatten().enumerate() {
         assert_eq!(envelope.stretch_range(joint), Some(round(*range)));
+    }
+    assert_eq!(envelope.helper_kind(), parts.helper_kind);
+    for (helper, place) in parts.places.iter().enumerate() {
+        let centre = <[f64; 3]>::from(place.centre).map(round);
+        assert_eq!(envelope.helper_centre(helper), Some(centre));
+        let spread = [0.25, 0.0, 0.0, 0.25, 0.0, 0.25];
+        assert_eq!(envelope.helper_spread(helper), Some(spread));
     }
     assert_eq!(envelope.curve_len(), parts.curves.len());
     for (curve, Curve { name, range }) in parts.curves.iter().enumerate() {

@@ -7,31 +7,40 @@ use sinew_runtime::format::SectionKind;
 use std::path::{Path, PathBuf};
 
 /// Names of the golden files, by predictor: rotational, kernel.
-pub const GOLDEN_NAMES: [&str; 2] = ["envelope-9-rotational.snw", "envelope-9-kernel.snw"];
+pub const GOLDEN_NAMES: [&str; 2] = ["envelope-10-rotational.snw", "envelope-10-kernel.snw"];
 
 /// The golden files named by [`GOLDEN_NAMES`].
 pub const GOLDEN: [&[u8]; 2] = [
-    include_bytes!("../../golden/envelope-9-rotational.snw"),
-    include_bytes!("../../golden/envelope-9-kernel.snw"),
+    include_bytes!("../../golden/envelope-10-rotational.snw"),
+    include_bytes!("../../golden/envelope-10-kernel.snw"),
 ];
 
 /// Names of the golden files whose joints stretch, by predictor. The kernel file has curves.
 pub const GOLDEN_STRETCH_NAMES: [&str; 2] =
-    ["envelope-9-stretch-rotational.snw", "envelope-9-stretch.snw"];
+    ["envelope-10-stretch-rotational.snw", "envelope-10-stretch.snw"];
 
 /// The golden files named by [`GOLDEN_STRETCH_NAMES`].
 pub const GOLDEN_STRETCH: [&[u8]; 2] = [
-    include_bytes!("../../golden/envelope-9-stretch-rotational.snw"),
-    include_bytes!("../../golden/envelope-9-stretch.snw"),
+    include_bytes!("../../golden/envelope-10-stretch-rotational.snw"),
+    include_bytes!("../../golden/envelope-10-stretch.snw"),
+];
+
+/// Names of the golden files whose helpers are of kind trs, with joints that stretch and curves, and of kind rigid.
+pub const GOLDEN_KIND_NAMES: [&str; 2] = ["envelope-10-trs.snw", "envelope-10-rigid.snw"];
+
+/// The golden files named by [`GOLDEN_KIND_NAMES`].
+pub const GOLDEN_KIND: [&[u8]; 2] = [
+    include_bytes!("../../golden/envelope-10-trs.snw"),
+    include_bytes!("../../golden/envelope-10-rigid.snw"),
 ];
 
 /// Names of the golden skins with tangent coefficients, which [`Pieces::turned`] makes.
-pub const TURNED_NAMES: [&str; 2] = ["skin-9-tangents.snw", "skin-9-normals.snw"];
+pub const TURNED_NAMES: [&str; 2] = ["skin-10-tangents.snw", "skin-10-normals.snw"];
 
 /// The golden files named by [`TURNED_NAMES`]: with tangents, and with normals only.
 pub const TURNED: [&[u8]; 2] = [
-    include_bytes!("../../golden/skin-9-tangents.snw"),
-    include_bytes!("../../golden/skin-9-normals.snw"),
+    include_bytes!("../../golden/skin-10-tangents.snw"),
+    include_bytes!("../../golden/skin-10-normals.snw"),
 ];
 
 impl Pieces {

@@ -30,7 +30,8 @@ pub use bytes::{
 };
 pub use filters::FilterContent;
 pub use golden::{
-    GOLDEN, GOLDEN_NAMES, GOLDEN_STRETCH, GOLDEN_STRETCH_NAMES, TURNED, TURNED_NAMES, golden_path,
+    GOLDEN, GOLDEN_KIND, GOLDEN_KIND_NAMES, GOLDEN_NAMES, GOLDEN_STRETCH, GOLDEN_STRETCH_NAMES,
+    TURNED, TURNED_NAMES, golden_path,
 };
 pub use groups::{GroupContent, sample_groups};
 pub use jobs::{Rest, cells};

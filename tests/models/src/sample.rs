@@ -6,7 +6,7 @@ use crate::message::head;
 use crate::pieces::{Content, Pieces};
 use crate::rng::Rng;
 use crate::shape::{SMALL, Shape};
-use sinew_runtime::envelope::{ENVELOPE_SECTIONS, NO_JOINT, Predictor};
+use sinew_runtime::envelope::{ENVELOPE_SECTIONS, HelperKind, NO_JOINT, Predictor};
 use sinew_runtime::format::{PartKind, PartRow, SectionKind};
 use sinew_runtime::skin::SKIN_SECTIONS;
 use std::sync::LazyLock;
@@ -39,6 +39,7 @@ impl Pieces {
         let content = |part, kind, bytes| {
             // These sections are optional, so readers may ignore them.
             let may_lack = [
+                SectionKind::HelperPlaces,
                 SectionKind::RestTangents,
                 SectionKind::TangentCoefficients,
                 SectionKind::NormalErrors,
@@ -232,13 +233,18 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     let key_stretches = (0..36 * p).map(|_| dyadic(rng, 0.25)).collect::<Vec<_>>();
     let curve_range = |curve: usize| [[0.0, 1.0], [-0.5, 0.5], [0.25, 2.0]][curve % 3];
     let curve_ranges = (0..c).flat_map(curve_range).collect::<Vec<_>>();
-    // Predictor, J, P, root, G, floats of scratch, whether joints stretch, C.
+    // Centres lie along x, as the joints do.
+    let place = |l: usize| [0.5 + l as f32, 0.25, -0.125, 0.5, 0.125, -0.0625, 0.375, 0.0, 0.25];
+    let places = (0..p).flat_map(place).collect::<Vec<_>>();
+    // Predictor, J, P, root, G, floats of scratch, whether joints stretch, C, the kind of helpers.
     let stretches = shape.stretches.into();
     let [number, j32, p32] = [predictor.number().into(), j as u32, p as u32];
-    let counts = [number, j32, p32, root as u32, 0, 0, stretches, c as u32];
+    let kind = if predictor == Predictor::Kernel { shape.kind } else { HelperKind::Affine };
+    let kind = u32::from(kind.number());
+    let counts = [number, j32, p32, root as u32, 0, 0, stretches, c as u32, kind];
     // Diagonal; RMS errors of training, of cross-validation, of linear blend skinning, of rounding,
-    // of the base.
-    let certificate = [3.0, 0.01, 0.02, 0.04, 0.0, 0.03, 0.05];
+    // of the base, of another clip; largest error of bones.
+    let certificate = [3.0, 0.01, 0.02, 0.04, 0.0, 0.03, 0.05, 0.06];
     vec![
         (SectionKind::EnvelopeCounts, words(&counts)),
         (SectionKind::Certificate, floats(&certificate)),
@@ -255,6 +261,7 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
         (SectionKind::StretchRanges, floats(&stretch_ranges)),
         (SectionKind::KeyStretches, floats(&key_stretches)),
         (SectionKind::CurveRanges, floats(&curve_ranges)),
+        (SectionKind::HelperPlaces, floats(&places)),
     ]
 }
 

@@ -1,5 +1,7 @@
 //! Shapes of sample models.
 
+use sinew_runtime::envelope::HelperKind;
+
 /// Shape of a sample model. Joints are 0 -> 2 -> 1 (root), then a chain below joint 0. A kernel
 /// sample may have curves and no joints.
 #[derive(Clone, Copy)]
@@ -20,6 +22,8 @@ pub struct Shape {
     pub stretches: bool,
     /// Number of curves C. A rotational sample has none.
     pub curves: usize,
+    /// Kind of the helpers. A rotational sample has affine ones.
+    pub kind: HelperKind,
 }
 
 /// The smallest shape with every section of a rigid model: small enough to damage every bit.
@@ -32,6 +36,7 @@ pub const TINY: Shape = Shape {
     coefficients: true,
     stretches: false,
     curves: 0,
+    kind: HelperKind::Affine,
 };
 
 /// A small shape with a few of everything that a rigid model has.

@@ -198,4 +198,4 @@ impl Pieces {
 
 /// Names of the golden skins with shapes, which [`Pieces::shaped`] makes.
 pub const SHAPED_NAMES: [&str; 4] =
-    ["shapes-9-f32.snw", "shapes-9-f16.snw", "shapes-9-i8.snw", "shapes-9-few.snw"];
+    ["shapes-10-f32.snw", "shapes-10-f16.snw", "shapes-10-i8.snw", "shapes-10-few.snw"];

@@ -111,6 +111,7 @@ fn of_envelope(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> Report {
         ("base_training_rms", "without its correction", Some(certificate.base_training_rms)),
         ("lbs_training_rms", "LBS, training frames", Some(certificate.lbs_training_rms)),
         ("correction_error", "rounding, bound", Some(certificate.correction_error)),
+        ("trs_error", "helpers as bones (TRS), largest change", Some(certificate.trs_error)),
     ] {
         let mm = unit_mm.zip(rms).map(|(unit, rms)| unit * f64::from(rms));
         let length = mm.map_or(String::new(), |mm| format!("  {} mm", written(mm)));
@@ -131,6 +132,7 @@ fn of_envelope(envelope: &Envelope<'_>, unit_mm: Option<f64>) -> Report {
     Report::of_part("envelope", envelope.part(), envelope.name())
         .figure("predictor", "predictor", envelope.predictor().name(), "")
         .figure("proxies", "helpers", envelope.proxy_len(), "")
+        .figure("helper_kind", "kind of helpers", envelope.helper_kind().name(), "")
         .figure("palette", "transforms of the palette", envelope.palette_len(), "")
         .figure("scratch_bytes", "scratch", 4 * envelope.scratch_len(), "bytes")
         .json("skeleton_hash", envelope.skeleton_hash())

@@ -37,7 +37,7 @@ use crate::examples::Examples;
 use crate::progress::Progress;
 use crate::{Error, ErrorKind};
 use clean::Inliers;
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::{HelperKind, Predictor};
 
 /// Two limits for the step of single precision at the mesh's distance from the origin, in diagonals. Above the first, a
 /// fit to rounding errors may exceed the range of a model. Above the second, training is refused.
@@ -50,7 +50,7 @@ pub(crate) const COARSE: (f64, f64) = (1e-4, 1e-3);
 /// # Errors
 /// - There are too few training poses, or all are one pose; no triangle of the rest mesh has an area.
 /// - The character is too far from the origin for single precision.
-/// - The predictor is rotational, and the examples have curves but no joints.
+/// - The predictor is rotational, and the examples have curves but no joints, or the helpers are not affine.
 /// - The budget is too small, or the requested accuracy is out of reach.
 /// - The reduced reconstruction is singular for every choice.
 /// - A further mesh has the name of another, or does not lie on the surface.
@@ -85,6 +85,13 @@ pub fn train_on(
         return Err(Error::unsupported(
             "the predictor rotational follows joints, and these examples have only curves: use the predictor kernel",
         ));
+    }
+    if !is_kernel && options.helper_kind != HelperKind::Affine {
+        return Err(Error::unsupported(format!(
+            "helpers of kind {} need the predictor kernel: the reconstruction of the predictor rotational gives affine \
+             transforms",
+            options.helper_kind.name()
+        )));
     }
     let left_out = inliers.left_out().to_vec();
     let mut training = inliers.weighted(progress)?;

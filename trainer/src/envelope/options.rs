@@ -3,7 +3,7 @@
 use super::levels::Level;
 use crate::envelope::s3::{Method, ProxyCount};
 use crate::settings::Settings;
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::{HelperKind, Predictor};
 
 /// Predictor of the palette from the pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,8 @@ pub struct Options {
     pub predictor: Predict,
     /// Number of proxies P, or the error that decides P. `None` chooses P by cross-validation.
     pub proxies: Option<ProxyCount>,
+    /// Transforms that the helpers may have; affine for the rotational predictor.
+    pub helper_kind: HelperKind,
     /// K, the largest number of palette transforms that a vertex follows.
     pub influences: usize,
     /// Whether c1 and c2 may be refined on the training meshes. The published method never refines them.
@@ -60,6 +62,7 @@ impl Default for Options {
         Self {
             predictor: Predict::Only(Predictor::Kernel),
             proxies: None,
+            helper_kind: HelperKind::Affine,
             influences: 4,
             refine: true,
             budget: None,

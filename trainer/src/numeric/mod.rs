@@ -6,3 +6,4 @@ pub(crate) mod columns;
 pub(crate) mod grid;
 pub mod simplex;
 pub mod so3;
+pub mod trs;

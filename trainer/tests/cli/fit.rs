@@ -74,6 +74,30 @@ fn the_published_method_is_rotational_and_refuses_other_options() {
 }
 
 #[test]
+fn helpers_are_of_the_kind_that_the_command_names() {
+    let folder = Folder::with_demo("kinds");
+    let train = "train demo.npz --helpers 8 -o new.sinew --json --helper-kind";
+    for kind in ["affine", "trs", "rigid"] {
+        let found = folder.sinew(&format!("{train} {kind}")).json();
+        assert_eq!(found["options"]["helper_kind"], kind);
+        let [rms, largest] = ["rms", "largest"].map(|key| number(&found["report"]["bones"][key]));
+        assert_eq!(rms > 1e-9, kind == "affine", "{rms}");
+        let envelope = &folder.sinew("inspect new.sinew --json").json()["envelopes"][0];
+        assert_eq!(envelope["helper_kind"], kind);
+        let certificate = &envelope["certificate"];
+        let stated = number(&certificate["trs_error"]) / number(&certificate["diagonal"]);
+        assert!((stated - largest).abs() <= 1e-5 * largest + 1e-12, "{stated} {largest}");
+        let text =
+            folder.sinew(&format!("train demo.npz --helpers 8 -o new.sinew --helper-kind {kind}"));
+        assert!(text.out.contains("helpers as bones (TRS)"), "{}", text.out);
+    }
+    let before = folder.read("new.sinew");
+    let line = folder.sinew(&format!("{train} trs --predictor rotational")).failed();
+    assert!(line.contains("helpers of kind trs need the predictor kernel"), "{line}");
+    assert_eq!(folder.read("new.sinew"), before);
+}
+
+#[test]
 fn auto_falls_back_to_the_joints_alone_where_bytes_are_few() {
     let folder = Folder::with_demo("joints-alone");
     let free = folder.sinew("train demo.npz -o free.sinew --json").json();

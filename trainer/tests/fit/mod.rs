@@ -1,6 +1,7 @@
 //! Tests of fits: their inputs, their errors, and their files.
 
 mod authored;
+mod bones;
 mod coarse;
 #[path = "../../benches/figures/full.rs"]
 mod full;

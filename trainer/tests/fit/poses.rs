@@ -1,7 +1,7 @@
 //! Tests on real sets which poses a runtime accepts for a skeleton.
 
 use models::shared;
-use sinew_runtime::envelope::{Certificate, PoseFaultKind as Kind};
+use sinew_runtime::envelope::{Certificate, HelperKind, PoseFaultKind as Kind};
 use sinew_runtime::{Envelope, Matrix3x4, Model, gather_pose};
 use sinew_trainer::envelope::lbs::poses::Poses;
 use sinew_trainer::envelope::model::{EnvelopeModel, FileModel};
@@ -17,6 +17,8 @@ fn set(file: &str) -> Option<(Examples, Vec<u8>)> {
         name: "joints".to_owned(),
         reconstruction: None,
         groups: Vec::new(),
+        helper_kind: HelperKind::Affine,
+        places: Vec::new(),
         pose_ranges: poses.angle_ranges(),
         pose_gaps: poses.gaps(&skeleton.parents, &origins),
         stretch_ranges: None,

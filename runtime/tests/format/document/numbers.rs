@@ -147,7 +147,7 @@ fn the_document_lays_the_counts_of_a_record_out_as_the_code() {
 
 #[test]
 fn the_document_lays_counts_out_as_the_code() {
-    let words: [u32; 8] = [2, 11, 12, 13, 14, 15, 1, 17];
+    let words: [u32; 9] = [2, 11, 12, 13, 14, 15, 1, 17, 2];
     let counts = EnvelopeCounts::from_words(words).unwrap();
     assert_eq!(counts.words(), words);
     let fields = [
@@ -159,6 +159,7 @@ fn the_document_lays_counts_out_as_the_code() {
         ("correction_len", counts.correction_len.into()),
         ("stretches", counts.stretches.into()),
         ("curve_len", counts.curve_len.into()),
+        ("helper_kind", counts.helper_kind.number().into()),
     ];
     let bytes = words.map(u32::to_le_bytes);
     assert_eq!(bytes.as_flattened().len(), EnvelopeCounts::BYTES);
@@ -180,7 +181,7 @@ fn the_document_lays_counts_out_as_the_code() {
     assert_eq!(bytes.as_flattened().len(), SkinCounts::BYTES);
     assert_fields("Counts of a skin", bytes.as_flattened(), &fields);
 
-    let figures = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+    let figures = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
     let certificate = Certificate::from_figures(figures);
     assert_eq!(certificate.figures(), figures);
     let bits = |x: f32| u64::from(x.to_bits());
@@ -192,6 +193,7 @@ fn the_document_lays_counts_out_as_the_code() {
         ("correction_error", bits(certificate.correction_error)),
         ("base_training_rms", bits(certificate.base_training_rms)),
         ("other_clip_rms", bits(certificate.other_clip_rms.unwrap_or(-1.0))),
+        ("trs_error", bits(certificate.trs_error)),
     ];
     let bytes = figures.map(f32::to_le_bytes);
     assert_eq!(bytes.as_flattened().len(), Certificate::BYTES);

@@ -1,7 +1,7 @@
 //! Presence and length of sections.
 
 use super::{FORMAT, evaluate, table};
-use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, Predictor};
+use sinew_runtime::envelope::{ENVELOPE_SECTIONS, EnvelopeCounts, HelperKind, Predictor};
 use sinew_runtime::filter::{FILTER_SECTIONS, FilterCounts};
 use sinew_runtime::format::{Element, SectionKind};
 use sinew_runtime::kernel::{KERNEL_SECTIONS, KernelCounts};
@@ -118,6 +118,7 @@ fn envelope_counts(
         correction_len: 0,
         stretches,
         curve_len: c,
+        helper_kind: HelperKind::Affine,
     }
 }
 

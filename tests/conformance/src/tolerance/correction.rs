@@ -3,12 +3,17 @@
 
 use super::confidence::{lesser, of_curves, of_stretch, within};
 use super::inexact::{Inexact, Transform, product};
-use nalgebra::Matrix3;
+use super::polar::turn_error;
+use nalgebra::{Matrix3, Vector3};
+use sinew_runtime::envelope::HelperKind;
 use sinew_trainer::envelope::model::{EnvelopeModel, Group};
 use sinew_trainer::numeric::affine::linear;
 use sinew_trainer::regression::arithmetic::{Arithmetic, U, gamma};
 use sinew_trainer::regression::confidence::ExpectedErrorBounds;
 use sinew_trainer::regression::map::{Value, ValueError};
+
+/// Least determinant of a projected linear part of the norm of a rotation (FORMAT.md).
+const FLAT: f64 = 0.1;
 
 /// Bounds the corrected palettes and the confidence.
 ///
@@ -44,6 +49,14 @@ pub fn correction(
             error[at] = inherited + (value[at].abs() + inherited) * U;
         }
     }
+    if oracle.helper_kind != HelperKind::Affine {
+        let (unprojected, _) = affine(oracle).correct(&pose.value, &features.value, base.value);
+        for (proxy, place) in oracle.places.iter().enumerate() {
+            let at = first + proxy;
+            let own = (&unprojected[at], &error[at]);
+            error[at] = projected(oracle.helper_kind, own, &value[at], &place.centre, arithmetic);
+        }
+    }
     let (least, most) = expected.confidence(oracle.groups.len(), arithmetic);
     let of_ranges = of_ranges(oracle, pose, features, arithmetic).into_iter();
     let [least, most] = of_ranges.fold([least, most], lesser);
@@ -52,6 +65,73 @@ pub fn correction(
         error: vec![(confidence - least).max(most - confidence)],
     };
     (Inexact { value, error }, confidence)
+}
+
+/// Returns the envelope without the projection of its helpers.
+fn affine(oracle: &EnvelopeModel) -> EnvelopeModel {
+    EnvelopeModel { helper_kind: HelperKind::Affine, ..oracle.clone() }
+}
+
+/// Bounds the projection of a transform with an error.
+///
+/// The rotation R has the bound of stage polar. A scale sums three products of R and L. A column of the result is a
+/// product of R and the scale. The translation adds three products of the centre and of the difference of the linear
+/// parts, each a subtraction. A transform that may or may not be projected is off by the projection, too.
+fn projected(
+    kind: HelperKind,
+    (map, error): (&Transform, &Transform),
+    out: &Transform,
+    centre: &Vector3<f64>,
+    arithmetic: Arithmetic,
+) -> Transform {
+    let (own, off) = (linear(map), linear(error));
+    let size = own.norm();
+    let unit = own * (3f64.sqrt() / size);
+    let volume = unit.determinant().abs();
+    // A relative change of the linear part changes the volume by at most 9 times as much, of a volume of at most 1.
+    let unsure = 9.0 * (off.norm() / size + 16.0 * U);
+    let [least, most] =
+        [1e-3, 1e3].map(|limit| (size - limit).abs() <= off.norm() + 16.0 * U * size);
+    let may_differ = (volume - FLAT).abs() <= unsure || least || most;
+    if out == map && !may_differ {
+        return *error;
+    }
+    let turn = match out == map {
+        true => return error + out.abs() * 4.0,
+        false => linear(out),
+    };
+    let scales = Vector3::from_fn(|axis, _| turn.column(axis).norm());
+    let turn = Matrix3::from_columns(&[0, 1, 2].map(|axis| turn.column(axis) / scales[axis]));
+    let mirror = own.determinant().signum();
+    let turn_off = turn_error((&(own * mirror), &off), &(turn * mirror), arithmetic);
+    let mut bound = Transform::zeros();
+    for axis in 0..3 {
+        let (column, column_off) = (own.column(axis).norm(), off.column(axis).norm());
+        let scale_off = match kind {
+            HelperKind::Rigid => 0.0,
+            _ => {
+                let inherited = turn_off * (column + column_off) + column_off;
+                inherited + (column + inherited) * gamma(3)
+            }
+        };
+        let own_off = turn_off * (scales[axis] + scale_off) + scale_off;
+        bound.column_mut(axis).fill(own_off + (scales[axis] + own_off) * U);
+    }
+    for row in 0..3 {
+        let apart = |axis: usize| {
+            let off = bound[(row, axis)] + error[(row, axis)];
+            let size = (map[(row, axis)] - out[(row, axis)]).abs() + off;
+            (off + size * U, size)
+        };
+        let moved: f64 = (0..3).map(|axis| apart(axis).0 * centre[axis].abs()).sum();
+        let size: f64 = (0..3).map(|axis| apart(axis).1 * centre[axis].abs()).sum();
+        let inherited = error[(row, 3)] + moved + size * gamma(3);
+        bound[(row, 3)] = inherited + (out[(row, 3)].abs() + inherited) * U;
+    }
+    match may_differ {
+        true => bound + (map - out).abs(),
+        false => bound,
+    }
 }
 
 /// Bounds the confidences that the ranges of joints and curves allow: lower and upper; none for an

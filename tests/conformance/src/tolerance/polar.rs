@@ -96,7 +96,7 @@ pub(super) fn inverse_error(
 /// cofactors, of their product with the scale, and of the sum. In the last step everything counts,
 /// because nothing corrects the length of the result. Last, seven steps may leave some of a large
 /// stretch.
-fn turn_error(
+pub(super) fn turn_error(
     (map, error): (&Matrix3<f64>, &Matrix3<f64>),
     turn: &Matrix3<f64>,
     Arithmetic { division, .. }: Arithmetic,

@@ -157,7 +157,8 @@ fn a_file_evaluates_as_it_was_fitted() {
         RotationalOptions { proxies: ProxyCount::Fixed(9), ..RotationalOptions::default() };
     let training = Training::new(&examples, &Silent).unwrap();
     let rotational = s3::fit(&training, &options, &Silent).unwrap();
-    let helpers = HelperFit::new(&training).unwrap().run(9, 4);
+    let helpers =
+        HelperFit::new(&training, sinew_runtime::envelope::HelperKind::Affine).unwrap().run(9, 4);
     let groups =
         |target| Search::new(target, &JointSets::new(), &Silent).fit(usize::MAX).unwrap().groups;
     for fitted in

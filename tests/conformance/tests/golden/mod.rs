@@ -32,7 +32,11 @@ fn bake_writes_the_golden_files() {
             envelope.groups[0].outputs[(0, 0)] += 1.0 / 64.0;
         }
         assert!(other.bake().unwrap() != file);
-        let edits: [fn(&mut EnvelopeModel) -> Option<()>; 3] = [
+        let edits: [fn(&mut EnvelopeModel) -> Option<()>; 4] = [
+            |envelope| {
+                envelope.places[4].spread[(2, 2)] += 1.0 / 64.0;
+                Some(())
+            },
             |envelope| {
                 envelope.stretch_ranges.as_mut()?[4] += 1.0 / 64.0;
                 Some(())
@@ -55,7 +59,7 @@ fn bake_writes_the_golden_files() {
                 edited += 1;
             }
         }
-        assert_eq!(edited, if golden.stretches { 2 } else { 0 });
+        assert_eq!(edited, if golden.stretches { 3 } else { 1 });
     }
 }
 

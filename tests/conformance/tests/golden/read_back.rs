@@ -39,6 +39,8 @@ fn read_back_envelope(parts: &EnvelopeModel, envelope: Envelope<'_>) {
     assert_eq!(envelope.inverse_bind(2), Some(inverse));
     assert_eq!(envelope.predictor(), parts.predictor());
     assert_eq!(envelope.certificate(), parts.certificate);
+    assert_eq!(envelope.helper_kind(), parts.helper_kind);
+    assert_eq!(EnvelopeModel::from_file(&envelope).places, parts.places);
     read_back_groups(parts, envelope);
     read_back_movements(parts, envelope);
     for (l, key) in parts.keys().iter().enumerate() {

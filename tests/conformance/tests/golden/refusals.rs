@@ -65,7 +65,10 @@ fn parts_that_do_not_fit_are_refused() {
     }
     for edit in [
         (|p, _| p.groups[0].joint = 5) as fn(&mut EnvelopeModel, &mut SkinModel),
-        |p, _| p.groups.truncate(2),
+        |p, _| {
+            p.groups.truncate(2);
+            p.places.truncate(3);
+        },
         |p, _| p.groups[0].inputs[0].feature = Feature::Curve(0),
         |p, _| p.stretch_ranges = Some(vec![-1.0; 5]),
         |p, _| p.curves = vec![curve([1.0, 0.0])],

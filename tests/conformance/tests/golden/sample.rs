@@ -1,15 +1,16 @@
 //! Makes the model of each golden file.
 
-use ::models::{GOLDEN_NAMES, GOLDEN_STRETCH_NAMES};
+use ::models::{GOLDEN_KIND_NAMES, GOLDEN_NAMES, GOLDEN_STRETCH_NAMES};
 use faer::{Mat, MatRef};
-use nalgebra::SMatrix;
-use sinew_runtime::envelope::{Certificate, GroupKernel, Predictor};
+use nalgebra::{Matrix3, SMatrix};
+use sinew_runtime::envelope::{Certificate, GroupKernel, HelperKind, Predictor};
 use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_trainer::envelope::model::{
     Curve, EnvelopeModel, Feature, FeatureOrder, FileModel, Group, Input, Key, Reconstruction,
     Shapes, Shear, SkinModel,
 };
 use sinew_trainer::examples::Skeleton;
+use sinew_trainer::numeric::trs::Place;
 use sinew_trainer::regression::confidence::MapConfidence;
 use sinew_trainer::regression::map::KernelMap;
 
@@ -19,25 +20,29 @@ pub(super) struct Golden {
     pub(super) predictor: Predictor,
     /// Whether joints stretch. Curves then move a kernel envelope.
     pub(super) stretches: bool,
+    /// Number of the kind of the helpers.
+    pub(super) kind: usize,
     /// Name of the file.
     pub(super) file: &'static str,
 }
 
 pub(super) const RIGID: Golden =
-    Golden { predictor: Predictor::Kernel, stretches: false, file: GOLDEN_NAMES[1] };
+    Golden { predictor: Predictor::Kernel, stretches: false, kind: 0, file: GOLDEN_NAMES[1] };
 
 pub(super) fn goldens() -> impl Iterator<Item = Golden> {
     let names = [(false, GOLDEN_NAMES), (true, GOLDEN_STRETCH_NAMES)].into_iter();
-    names.flat_map(|(stretches, files)| {
+    let all = names.flat_map(|(stretches, files)| {
         let files = Predictor::ALL.into_iter().zip(files);
-        files.map(move |(predictor, file)| Golden { predictor, stretches, file })
-    })
+        files.map(move |(predictor, file)| Golden { predictor, stretches, kind: 0, file })
+    });
+    let kinds = GOLDEN_KIND_NAMES.into_iter().zip(1..);
+    all.chain(kinds.map(|(file, kind)| Golden { stretches: kind == 1, kind, file, ..RIGID }))
 }
 
 /// Makes a model of an envelope and its skin: 24 vertices, 5 joints, 5 proxies, 4 influences; the
 /// root is joint 3. An envelope of kernels that stretches has 3 curves.
 pub(super) fn file_model(golden: Golden) -> FileModel {
-    let Golden { predictor, stretches, .. } = golden;
+    let Golden { predictor, stretches, kind, .. } = golden;
     let mut dyadic = Dyadic(7);
     let (v, j, p, root) = (24, 5, 5, 3);
     let curves = [("smile", [-1.0, 1.0]), ("blink", [0.0, 1.0]), ("jaw/open", [-0.5, 1.0])];
@@ -129,6 +134,10 @@ pub(super) fn file_model(golden: Golden) -> FileModel {
         ranges: vec![("body".to_owned(), 0..20), ("eyes".to_owned(), 20..24)],
         shapes: Shapes::default(),
     };
+    let place = |l: f64| Place {
+        centre: [l, 0.5, -0.25].into(),
+        spread: Matrix3::new(0.5, 0.125, -0.0625, 0.125, 0.375, 0.0, -0.0625, 0.0, 0.25),
+    };
     let envelope = EnvelopeModel {
         name: "golden".to_owned(),
         skeleton: Skeleton {
@@ -139,6 +148,8 @@ pub(super) fn file_model(golden: Golden) -> FileModel {
         },
         reconstruction: predictor.reconstructs().then_some(reconstruction),
         groups,
+        helper_kind: HelperKind::ALL[if predictor.corrects() { kind } else { 0 }],
+        places: (0..p).map(|l| place(l as f64)).collect(),
         pose_ranges: vec![2.0, 1.0, 0.75, 0.0, 1.25],
         pose_gaps: vec![0.0, 0.125, 0.0, 0.0, 0.0625],
         stretch_ranges: stretches.then(|| vec![0.25, 0.125, 0.25, 0.0, 0.25]),
@@ -151,6 +162,7 @@ pub(super) fn file_model(golden: Golden) -> FileModel {
             correction_error: if predictor.corrects() { 0.0625 } else { 0.0 },
             base_training_rms: if predictor.corrects() { 0.375 } else { 0.125 },
             other_clip_rms: predictor.corrects().then_some(0.4375),
+            trs_error: 0.03125,
         },
     };
     let space = Space {

@@ -206,14 +206,14 @@ fn counts(kind: SectionKind) {
     let counts = FilterCounts::from_words(black_box([0; 2]));
     black_box((counts.section_bytes(kind), counts.words()));
     black_box(FilterFit::from_figures(black_box([0.0; 3])).figures());
-    black_box(Certificate::from_figures(black_box([0.0; 7])).figures());
+    black_box(Certificate::from_figures(black_box([0.0; 8])).figures());
 }
 
 fn numbers(envelope: Envelope<'_>) {
     let e = envelope;
     black_box([e.joint_len(), e.proxy_len(), e.palette_len(), e.group_len(), e.root(), e.part()]);
     black_box([e.scratch_len(), e.correction_len(), e.curve_len()]);
-    black_box(e.stretches());
+    black_box((e.stretches(), e.helper_kind(), e.helper_centre(index()), e.helper_spread(index())));
     black_box((e.name(), e.predictor(), e.certificate(), e.counts(), e.file()));
     black_box(ScratchLayout::at_once(&e));
 }

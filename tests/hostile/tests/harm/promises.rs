@@ -1,7 +1,7 @@
 //! Tests small files that state large counts, and files with the largest numbers.
 
 use hostile::evaluate::evaluate_pose;
-use models::{GOLDEN, GOLDEN_STRETCH, Pieces, group_row};
+use models::{GOLDEN, GOLDEN_KIND, GOLDEN_STRETCH, Pieces, group_row};
 use sinew_runtime::envelope::{GroupConfidence, GroupRow, KEY_WORDS};
 use sinew_runtime::format::{CORRECTION_MAX, MAGNITUDE_MAX, SectionKind, TRAVEL_MAX};
 use sinew_runtime::{Envelope, FileError, FileErrorKind as Kind, Limits, Matrix3x4, Model};
@@ -149,6 +149,12 @@ fn largest(golden: &[u8]) -> Vec<u8> {
             fill(content, MAGNITUDE_MAX);
         }
     }
+    if let Some(places) = pieces.find(SectionKind::HelperPlaces) {
+        places.as_chunks_mut::<36>().0.iter_mut().for_each(|place| {
+            fill(&mut place[..12], MAGNITUDE_MAX);
+            fill(&mut place[12..], 2.0);
+        });
+    }
     if let Some(keys) = pieces.find(SectionKind::Keys) {
         keys.chunks_mut(4 * KEY_WORDS).for_each(|key| fill(&mut key[4 * 19..], MAGNITUDE_MAX));
     }
@@ -196,7 +202,7 @@ fn far(joint_len: usize, travel: f32, scale: f32) -> Vec<Matrix3x4> {
 
 #[test]
 fn the_largest_numbers_evaluate_to_finite_values() {
-    for golden in GOLDEN.into_iter().chain(GOLDEN_STRETCH) {
+    for golden in GOLDEN.into_iter().chain(GOLDEN_STRETCH).chain(GOLDEN_KIND) {
         let file = largest(golden);
         let model = Model::from_bytes(file).unwrap();
         let envelope = model.first::<Envelope>().unwrap();

@@ -4,9 +4,9 @@
 use crate::math::{diagonal, farthest, palette, product, rest, skinned};
 use crate::shown::axes::TO_ENGINE;
 use crate::shown::place::place;
-use crate::shown::{mesh, scale, seen, skeleton, vertices};
+use crate::shown::{bones, mesh, scale, seen, skeleton, vertices};
 use pages::arm;
-use sinew_runtime::envelope::{FOLDED, PoseFaultKind, Predictor};
+use sinew_runtime::envelope::{FOLDED, PoseFaultKind, Predictor, Trs};
 use sinew_runtime::{CallErrorKind, Envelope, Matrix3x4, Model, Skin};
 
 #[test]
@@ -136,6 +136,26 @@ fn joints_suffice_where_their_error_is_invisible() {
     seen::palette_seen(&envelope, (&pose, &[]), seen, &mut scratch, &mut found).unwrap();
     let off = farthest(&skinned(&model, &found), &skinned(&model, &full), certificate.diagonal);
     assert!(off > 0.0 && off < 0.2, "{off}");
+}
+
+#[test]
+fn bones_of_affine_helpers_move_the_skin_a_little() {
+    let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
+    let envelope = model.envelope().unwrap();
+    let pose = arm::pose(&arm::EXAMPLES, 35);
+    let mut scratch = vec![0.0; envelope.scratch_len()];
+    let mut found = vec![Matrix3x4::default(); envelope.palette_len()];
+    let mut out = vec![Trs::IDENTITY; envelope.proxy_len()];
+    bones::bones(&envelope, &pose, &[], &mut scratch, &mut found, &mut out).unwrap();
+    let expected = skinned(&model, &found);
+    for (l, bone) in out.iter().enumerate() {
+        let centre = envelope.helper_centre(l).unwrap();
+        found[envelope.joint_len() + l] = bone.palette_entry(centre);
+    }
+    let certificate = envelope.certificate();
+    let off = farthest(&skinned(&model, &found), &expected, certificate.diagonal);
+    println!("bones: {off:.5} of the diagonal off at most");
+    assert!(off > 1e-4 && off < 1.01 * certificate.trs_error / certificate.diagonal, "{off}");
 }
 
 /// Distance of the arm and RMS error of its skin, both in metres: the figures of the page.

@@ -17,6 +17,7 @@ blocks! {
     axes: "your_axes_0",
     scale: "scale_0",
     shader: "your_shader_0",
+    bones: "your_bones_0",
     vertices: "your_vertices_0",
     shapes: "your_vertices_1",
     face: "your_vertices_2",

@@ -59,12 +59,15 @@ pub(super) fn report(report: &TrainingReport, diagonal_mm: Option<f64>) -> Strin
     }
     let mut head = vec!["RMS error, training frames", "% of the diagonal"];
     head.extend(diagonal_mm.map(|_| "mm"));
+    let bones = (report.chosen().proxies > 0).then_some(report.bones);
     let errors = [
         (LBS, Some(report.lbs_rms)),
         (OWN_WEIGHTS, report.own_weights_rms),
         ("the model", Some(report.training_rms)),
         ("forecast: more of these clips", Some(report.same_clips_rms)),
         ("forecast: another clip", report.other_clip_rms),
+        ("helpers as bones (TRS): change of the skin", bones.map(|bones| bones.rms)),
+        ("the same, largest", bones.map(|bones| bones.largest)),
     ];
     let row = |(name, rms): (&str, Option<f64>)| {
         let mut cells = vec![name.to_owned(), format!("{:.4}", 100.0 * rms?)];

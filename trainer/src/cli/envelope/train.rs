@@ -80,6 +80,9 @@ pub(in crate::cli) struct FitArguments {
     #[arg(long = "helpers", alias = "proxies", value_name = "P", allow_negative_numbers = true)]
     #[arg(value_parser = count(1, Limits::DEFAULT.proxies as usize), conflicts_with = "max_error")]
     proxies: Option<usize>,
+    /// Transforms of helpers: affine, or trs for engines whose bones hold translation, rotation and scale, or rigid
+    #[arg(long, value_enum, default_value_t = HelperKind::Affine, value_name = "KIND")]
+    helper_kind: HelperKind,
     /// Take enough helpers to come this near to the training frames when fitted to each frame, RMS in % of the rest
     /// diagonal; the prediction from the pose adds to this error
     #[arg(long, value_name = "PERCENT", value_parser = number(POSITIVE, " %"), allow_negative_numbers = true)]
@@ -114,6 +117,27 @@ enum Predictor {
     /// The joints themselves, and helpers driven by local kernel maps where LBS has an error
     #[value(alias = "auto")]
     Kernel,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+enum HelperKind {
+    /// Any affine transform: the smallest error
+    Affine,
+    /// Translation, rotation and scale along the model's axes at rest
+    Trs,
+    /// Translation and rotation
+    Rigid,
+}
+
+impl HelperKind {
+    fn kind(self) -> envelope::HelperKind {
+        match self {
+            Self::Affine => envelope::HelperKind::Affine,
+            Self::Trs => envelope::HelperKind::Trs,
+            Self::Rigid => envelope::HelperKind::Rigid,
+        }
+    }
 }
 
 impl Predictor {
@@ -157,6 +181,7 @@ impl FitArguments {
             predictor: Some(other),
             proxies: Some(proxies),
             max_error: None,
+            helper_kind: HelperKind::Affine,
             published: false,
             budget: None,
             ..*self
@@ -194,6 +219,7 @@ impl FitArguments {
         let options = Options {
             predictor,
             proxies,
+            helper_kind: self.helper_kind.kind(),
             influences: self.influences,
             refine: !self.unrefined,
             budget: self.budget,

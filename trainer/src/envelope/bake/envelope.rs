@@ -5,6 +5,7 @@ use crate::bake::Part;
 use crate::bake::sections::{blocks, check_len, check_shape, floats, names, narrow, words};
 use crate::envelope::model::{EnvelopeModel, FeatureOrder, Group, Input, Key, Reconstruction};
 use crate::examples::{Matrix3x4, Skeleton};
+use crate::numeric::trs::Place;
 use faer::Col;
 use nalgebra::{Matrix4, Matrix6, SMatrix};
 use sinew_runtime::envelope::{
@@ -43,10 +44,12 @@ impl EnvelopeModel {
             (SectionKind::StretchRanges, floats(self.stretch_ranges.as_deref().unwrap_or(&[]))),
             (SectionKind::KeyStretches, stretch),
             (SectionKind::CurveRanges, floats(&curve_ranges)),
+            (SectionKind::HelperPlaces, places(&self.places)),
         ];
         debug_assert!(contents.iter().map(|(kind, _)| *kind).eq(ENVELOPE_SECTIONS));
         let own = contents.into_iter().filter(|(kind, _)| counts.has(*kind));
-        let sections = own.map(|(kind, content)| (kind, true, content)).collect();
+        let sections =
+            own.map(|(kind, content)| (kind, kind != SectionKind::HelperPlaces, content)).collect();
         Ok(Part { kind: PartKind::Envelope, sections, element: Element::F32 })
     }
 
@@ -58,6 +61,7 @@ impl EnvelopeModel {
         check_len("pose ranges", j, self.pose_ranges.len())?;
         check_len("pose gaps", j, self.pose_gaps.len())?;
         check_len("stretch ranges", j, self.stretch_ranges.as_ref().map_or(j, Vec::len))?;
+        check_len("helper places", p, self.places.len())?;
         if let Some(Reconstruction { c1, c2, .. }) = &self.reconstruction {
             check_shape(["rows of c1", "columns of c1"], [4 * p, 3 * p], c1)?;
             check_shape(["rows of c2", "columns of c2"], [4 * p, 4 * j], c2)?;
@@ -71,6 +75,7 @@ impl EnvelopeModel {
             correction_len: narrow("scratch", correction_len)?,
             stretches: self.stretch_ranges.is_some(),
             curve_len: narrow("curves", self.curves.len())?,
+            helper_kind: self.helper_kind,
         })
     }
 }
@@ -145,6 +150,15 @@ fn rows<const R: usize, const C: usize>(matrix: &SMatrix<f64, R, C>) -> Vec<u8> 
 /// Writes the rest origins: the last columns of the rest frames.
 fn origins(rest: &[Matrix3x4]) -> Vec<u8> {
     floats(&rest.iter().flat_map(|rows| rows.map(|row| row[3])).collect::<Vec<_>>())
+}
+
+/// Writes the places of helpers: the centre, then the upper triangle of the spread, row by row.
+fn places(places: &[Place]) -> Vec<u8> {
+    let of = |Place { centre: c, spread: s }: &Place| {
+        let upper = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|at| s[at]);
+        [c.x, c.y, c.z].into_iter().chain(upper)
+    };
+    floats(&places.iter().flat_map(of).collect::<Vec<_>>())
 }
 
 impl EnvelopeModel {

@@ -114,7 +114,7 @@ impl PredictorSearch<'_> {
     /// depend on the numbers that are tried.
     fn choose_joint_sets(&mut self) {
         self.progress.step(STEP, 1);
-        self.helper_fit = HelperFit::new(self.training);
+        self.helper_fit = HelperFit::new(self.training, self.options.helper_kind);
         self.usual = self.helper_fit.as_ref().map(|fit| {
             let helpers = fit.run(usual_count(self.training), self.options.influences);
             let target = helpers.target(self.training);
@@ -233,6 +233,7 @@ impl PredictorSearch<'_> {
                 continue;
             };
             let palette = corrected(base.clone(), &correction.validated);
+            let palette = fitted.projected(palette);
             let fits = (without + correction.bytes, &palette, correction.reports);
             let fitted = fitted.clone().with(correction.groups);
             self.add((fitted, coefficients), Some(fits), None);
@@ -335,7 +336,7 @@ impl PredictorSearch<'_> {
     ///
     /// - `bytes`: largest size of the maps, in bytes.
     fn refit(&self, part: &Training, count: usize, bytes: usize) -> Fitted {
-        let Some(fit) = HelperFit::new(part).filter(|_| count > 0) else {
+        let Some(fit) = HelperFit::new(part, self.options.helper_kind).filter(|_| count > 0) else {
             return Fitted::new(part, part.lbs.weights.clone(), None);
         };
         let helpers =
@@ -360,7 +361,9 @@ impl PredictorSearch<'_> {
         // vertices.
         let [same_clips, other_clip] = forecasts.map(|rms| rms.map(|rms| rms.max(training_rms)));
         let same_clips = same_clips.unwrap_or(chosen.validated_rms);
+        let bones = chosen.fitted.bone_errors(training, &palette);
         let certificate = Certificate {
+            trs_error: bones.largest as f32,
             training_rms: training_rms as f32,
             same_clips_rms: same_clips as f32,
             other_clip_rms: other_clip.map(|rms| rms as f32),
@@ -397,6 +400,7 @@ impl PredictorSearch<'_> {
             chosen: chosen.report,
             refused,
             training_rms,
+            bones,
             same_clips_rms: same_clips,
             other_clip_rms: other_clip,
             rotational: chosen.rotational.clone(),

@@ -2,6 +2,7 @@
 
 use crate::envelope::clean::OutlierFrame;
 use crate::envelope::correction::candidates::GroupReport;
+use crate::envelope::fitted::BoneErrors;
 use crate::envelope::s3::{Method, RotationalReport};
 use serde::Serialize;
 
@@ -26,6 +27,8 @@ pub struct TrainingReport {
     pub refused: Option<Refused>,
     /// Error of the chosen model on the training frames.
     pub training_rms: f64,
+    /// Error of bones of translation, rotation and scale in place of the chosen model's palette, on the training frames.
+    pub bones: BoneErrors,
     /// Forecast of the chosen model's error on more frames of the training clips.
     pub same_clips_rms: f64,
     /// Forecast of the chosen model's error on another clip; `None` if training had one clip.

@@ -152,7 +152,9 @@ mod tests {
     fn held_out_poses_are_corrected_within_the_bytes_and_rest_is_exact() {
         let examples = demo(&DemoOptions { vertices: 300, poses: 80, held_out: 20, seed: 1 });
         let training = Training::new(&examples, &Silent).unwrap();
-        let helpers = HelperFit::new(&training).unwrap().run(20, 4);
+        let helpers = HelperFit::new(&training, sinew_runtime::envelope::HelperKind::Affine)
+            .unwrap()
+            .run(20, 4);
         let target = helpers.target(&training);
         let search = Search::new(target, &joint_sets::choose(&target, &Silent), &Silent);
         let of = |bytes| -> (f64, usize) {

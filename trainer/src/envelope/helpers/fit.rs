@@ -1,7 +1,9 @@
 //! Fit of helpers to the training frames (METHOD §1.9).
 
 use super::Helpers;
-use crate::envelope::lbs::blend::{Alternation, InTurn, Items, Pull, Supports, Weights, fit_maps};
+use super::kind::{FEW_SWEEPS, SWEEPS, fit_kind};
+use crate::envelope::fitted::places;
+use crate::envelope::lbs::blend::{Alternation, InTurn, Items, Normal, Pull, Supports, Weights};
 use crate::envelope::lbs::projection::gram;
 use crate::envelope::lbs::targets::{Targets, bases, set_map, skin};
 use crate::envelope::lbs::training::Training;
@@ -11,6 +13,7 @@ use crate::numeric::basis::{Basis, basis_of};
 use crate::numeric::columns::{self, cluster};
 use faer::Mat;
 use nalgebra::{Matrix3x4, Matrix4, Vector3};
+use sinew_runtime::envelope::HelperKind;
 
 /// Name of the step.
 pub const STEP: &str = "helpers";
@@ -24,6 +27,7 @@ const ROUNDS: usize = 10;
 /// Input shared by the fits of any number of helpers.
 pub struct HelperFit<'a> {
     training: &'a Training<'a>,
+    kind: HelperKind,
     /// Vertices with an LBS error, which get helpers.
     active: Vec<usize>,
     /// LBS error and rest position of the active vertices, a column a vertex.
@@ -36,7 +40,7 @@ pub struct HelperFit<'a> {
 
 impl<'a> HelperFit<'a> {
     /// Prepares the fits; `None` if no vertex has an LBS error.
-    pub fn new(training: &'a Training<'a>) -> Option<Self> {
+    pub fn new(training: &'a Training<'a>, kind: HelperKind) -> Option<Self> {
         let errors = &training.lbs.errors;
         let threshold = training.settings.active.powi(2) * training.poses.len() as f64;
         let is_active = |&v: &usize| training.importance().of(v) * errors[v] > threshold;
@@ -53,7 +57,7 @@ impl<'a> HelperFit<'a> {
         let features = basis_of([joints.nrows() + 3, active.len()], |k, column| {
             features(training, active[k], column);
         });
-        Some(Self { features: features.coordinates, training, active, joints, base })
+        Some(Self { features: features.coordinates, training, kind, active, joints, base })
     }
 
     /// Fits `count` helpers, starting from LBS weights.
@@ -75,13 +79,26 @@ impl<'a> HelperFit<'a> {
         let refit = Refit::new(self, influences, [&bases, &anchors], &dominant);
         let own = refit.run(&maps, influences);
         let weights = refit.replace(&training.lbs.weights, &own);
-        let pull = training.settings.pull;
-        let maps = fit_helpers(&training.targets(&weights), [joints, &anchors], pull);
+        let normal = helper_equations(&training.targets(&weights), [joints, &anchors], training);
+        let mut maps = normal.solve(&anchors);
+        if self.kind != HelperKind::Affine {
+            maps = fit_kind(&normal, &maps, self.kind, None, SWEEPS);
+        }
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
+        let places = places(training, &weights, span.clone());
         let gram = gram(&training.targets(&weights), span.clone());
         let lbs_errors = training.lbs_errors(&weights, span);
         let joint_sets = vec![0; dominant.len()];
-        Helpers { weights, dominant, joint_sets, residual: maps - bases, gram, lbs_errors }
+        Helpers {
+            weights,
+            kind: self.kind,
+            places,
+            dominant,
+            joint_sets,
+            residual: maps - bases,
+            gram,
+            lbs_errors,
+        }
     }
 
     /// Computes the targets of the pull on helper transforms, 3n x 4P: the transforms of the dominant joints.
@@ -254,21 +271,32 @@ impl InTurn for Refit<'_> {
         Items { pull, ..vertices }.weights(&columns, supports)
     }
 
-    fn maps(&self, weights: &Weights, _: &Mat<f64>) -> Mat<f64> {
-        let Self { rest, trajectories, .. } = self;
+    fn maps(&self, weights: &Weights, from: &Mat<f64>) -> Mat<f64> {
+        let Self { rest, trajectories, anchors, .. } = self;
+        let HelperFit { training, kind, .. } = *self.fit;
         let targets = Targets { rest, weights, trajectories, importance: self.importance() };
-        let pull = self.fit.training.settings.pull;
-        fit_helpers(&targets, [&self.joints, &self.anchors], pull)
+        let normal = helper_equations(&targets, [&self.joints, anchors], training);
+        match kind {
+            HelperKind::Affine => normal.solve(anchors),
+            _ => {
+                let basis = Some(&training.basis().vectors);
+                fit_kind(&normal, from, kind, basis, FEW_SWEEPS)
+            }
+        }
     }
 }
 
-/// Fits helper transforms to weights and trajectories, 3n x 4P.
-fn fit_helpers(targets: &Targets<'_>, [joints, anchors]: [&Mat<f64>; 2], pull: f64) -> Mat<f64> {
+/// Returns the equations of helper transforms for weights and trajectories.
+fn helper_equations(
+    targets: &Targets<'_>,
+    [joints, anchors]: [&Mat<f64>; 2],
+    training: &Training<'_>,
+) -> Normal {
     let (on_joints, on_helpers) = split(targets.weights, joints.ncols() / 4);
     let Targets { rest, trajectories, importance, .. } = *targets;
     let fixed = Some((&on_joints, joints));
     let items = Items { fixed, ..Items::vertices(rest, trajectories, importance) };
-    fit_maps(&items, &on_helpers, anchors, pull)
+    Normal::new(&items, &on_helpers, anchors, training.settings.pull)
 }
 
 /// Writes the LBS error of a vertex in the frame of its dominant joint, pose by pose, and then its rest position: 3n +

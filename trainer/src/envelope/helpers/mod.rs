@@ -2,6 +2,7 @@
 //! pose.
 
 pub mod fit;
+mod kind;
 
 use super::correction::features::Features;
 use super::correction::joint_sets::{self, JointSets};
@@ -13,12 +14,18 @@ use super::lbs::targets::bases;
 use super::lbs::training::Training;
 use super::model::Group;
 use crate::numeric::columns;
+use crate::numeric::trs::Place;
 use faer::Mat;
+use sinew_runtime::envelope::HelperKind;
 
 /// Joints and helpers fitted to the training frames.
 pub struct Helpers {
     /// Weights on the palette. Joint j has index j, helper l has index J + l.
     pub weights: Weights,
+    /// Kind of the helpers.
+    pub kind: HelperKind,
+    /// Place of each helper's vertices at rest, P.
+    pub places: Vec<Place>,
     /// Dominant joint of each helper, P, ascending.
     pub dominant: Vec<usize>,
     /// Index of the joint set that each helper uses, P, ascending within a joint. All 0 before
@@ -45,6 +52,8 @@ impl Helpers {
         let from = columns::of_maps(&order);
         Self {
             weights: self.weights.renumbered(place),
+            kind: self.kind,
+            places: order.iter().map(|&l| self.places[l]).collect(),
             dominant: order.iter().map(|&l| self.dominant[l]).collect(),
             joint_sets: order.iter().map(|&l| assigned[l]).collect(),
             residual: columns::some(&self.residual, &from),
@@ -55,7 +64,8 @@ impl Helpers {
 
     /// Creates the envelope with a correction, given as groups of the helpers.
     pub fn fitted(&self, training: &Training, groups: Vec<Group>) -> Fitted {
-        Fitted::new(training, self.weights.clone(), None).with(groups)
+        let fitted = Fitted::new(training, self.weights.clone(), None).with(groups);
+        fitted.with_helpers(self.kind, self.places.clone())
     }
 
     /// Computes the palette of poses without a correction, 3n x 4(J + P).
@@ -106,7 +116,7 @@ mod tests {
     fn helpers_reduce_the_error_of_lbs() {
         let training = arm();
         let (rest, poses) = (&training.rest, &training.poses);
-        let found = HelperFit::new(&training).unwrap().run(20, 4);
+        let found = HelperFit::new(&training, HelperKind::Affine).unwrap().run(20, 4);
         let of = |weights| training.targets(weights);
         let with = of(&found.weights).rms(&found.true_palette(poses));
         let without = of(&training.lbs.weights).rms(&poses.stacked());
@@ -119,7 +129,7 @@ mod tests {
     #[test]
     fn helpers_of_a_joint_set_are_adjacent_and_the_skin_stays() {
         let training = arm();
-        let found = HelperFit::new(&training).unwrap().run(40, 4);
+        let found = HelperFit::new(&training, HelperKind::Affine).unwrap().run(40, 4);
         let skin = |helpers: &Helpers| {
             let palette = helpers.true_palette(&training.poses);
             let trace: f64 = (0..helpers.gram.nrows()).map(|i| helpers.gram[(i, i)]).sum();
@@ -144,7 +154,7 @@ mod tests {
     #[test]
     fn a_helper_without_a_residual_gets_a_joint_set() {
         let training = arm();
-        let mut found = HelperFit::new(&training).unwrap().run(40, 4);
+        let mut found = HelperFit::new(&training, HelperKind::Affine).unwrap().run(40, 4);
         let joint_sets = joint_sets::choose(&found.target(&training), &Silent);
         let has_several = |l: &usize| joint_sets[&found.dominant[*l]].len() > 1;
         let last = (0..40).rev().find(has_several).unwrap();
@@ -163,7 +173,7 @@ mod tests {
             .map(|v| list(v).map(|(j, w)| (j, if v == few { 1.0 } else { w })).collect());
         training.lbs.weights = Weights::from_lists(4, lists);
         let is_kept = |influences: usize, v: usize| {
-            let found = HelperFit::new(&training).unwrap().run(20, influences);
+            let found = HelperFit::new(&training, HelperKind::Affine).unwrap().run(20, influences);
             found.weights.of(v).eq(training.lbs.weights.of(v))
         };
         let several = (1..100).find(|&v| training.lbs.weights.of(v).count() > 1).unwrap();
@@ -176,6 +186,6 @@ mod tests {
     fn a_skin_that_is_lbs_needs_no_helper() {
         let mut training = arm();
         training.lbs.errors.fill(0.0);
-        assert!(HelperFit::new(&training).is_none());
+        assert!(HelperFit::new(&training, HelperKind::Affine).is_none());
     }
 }

@@ -4,13 +4,14 @@ use super::feature::{Feature, FeatureOrder};
 use super::key::{Key, Shear, wide};
 use crate::examples::Skeleton;
 use crate::numeric::affine;
+use crate::numeric::trs::Place;
 use crate::regression::confidence::MapConfidence;
 use crate::regression::map::KernelMap;
 use faer::Mat;
-use nalgebra::{Matrix3, Matrix3x4};
+use nalgebra::{Matrix3, Matrix3x4, Vector3};
 use serde::Serialize;
 use sinew_runtime::Envelope;
-use sinew_runtime::envelope::{Certificate, Predictor};
+use sinew_runtime::envelope::{Certificate, HelperKind, Predictor};
 use std::ops::Range;
 
 /// An envelope. All its lengths have one unit, all its positions one origin.
@@ -24,6 +25,10 @@ pub struct EnvelopeModel {
     pub reconstruction: Option<Reconstruction>,
     /// Groups of helpers with their kernel maps; empty for a rotational envelope.
     pub groups: Vec<Group>,
+    /// Transforms that the helpers may have; affine for a rotational envelope.
+    pub helper_kind: HelperKind,
+    /// Place of each proxy's vertices at rest, P.
+    pub places: Vec<Place>,
     /// Largest rotation of each joint relative to its parent in training, J, radians.
     pub pose_ranges: Vec<f64>,
     /// Largest distance in training of each joint's origin from its place under the parent's transform, J.
@@ -149,6 +154,8 @@ impl EnvelopeModel {
                 c2: Mat::from_fn(4 * p, 4 * j, |r, c| wide(envelope.c2(r, c))),
             }),
             groups: envelope.groups().map(|loaded| group(&loaded, order)).collect(),
+            helper_kind: envelope.helper_kind(),
+            places: (0..envelope.proxy_len()).filter_map(|proxy| place(envelope, proxy)).collect(),
             stretch_ranges: order.stretches.then(|| joints.clone().map(strain_range).collect()),
             curves: (0..envelope.curve_len()).map(curve).collect(),
             pose_ranges: joints.clone().map(|joint| wide(envelope.pose_range(joint))).collect(),
@@ -177,6 +184,7 @@ impl EnvelopeModel {
                 *matrix = rows(matrix, 4, order);
             }
         }
+        out.places = order.iter().map(|&proxy| self.places[proxy]).collect();
         let place = |proxy: usize| order.iter().position(|&other| other == proxy).unwrap_or(proxy);
         out.groups.sort_by_key(|group| group.proxies.clone().map(place).min());
         let mut start = 0;
@@ -200,6 +208,7 @@ impl EnvelopeModel {
             group.proxies = group.proxies.start + 1..group.proxies.end + 1;
         });
         out.groups.insert(0, Group::nothing(0, 0..1));
+        out.places.insert(0, Place::at(self.skeleton.rest[0].map(|row| row[3])));
         (out.pose_ranges, out.pose_gaps) = (Vec::new(), Vec::new());
         out
     }
@@ -213,6 +222,9 @@ impl EnvelopeModel {
             for (row, centre) in frame.iter_mut().zip(centre) {
                 row[3] = unit * row[3] + centre;
             }
+        }
+        for place in &mut out.places {
+            place.centre = place.centre * unit + Vector3::from(centre);
         }
         out.pose_gaps.iter_mut().for_each(|gap| *gap *= unit);
         let root = self.skeleton.root();
@@ -331,6 +343,15 @@ fn rest_frame(envelope: &Envelope<'_>, joint: usize) -> [[f64; 4]; 3] {
         None => -turn * bind.column(3),
     };
     affine::to_rows(&affine::joined(&turn, &origin))
+}
+
+/// Converts the place of a helper's vertices to f64.
+fn place(envelope: &Envelope<'_>, proxy: usize) -> Option<Place> {
+    let [xx, xy, xz, yy, yz, zz] = envelope.helper_spread(proxy)?.map(f64::from);
+    Some(Place {
+        centre: envelope.helper_centre(proxy)?.map(f64::from).into(),
+        spread: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+    })
 }
 
 /// Converts a loaded key to f64.

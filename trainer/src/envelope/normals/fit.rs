@@ -206,7 +206,9 @@ mod tests {
         static ARM: LazyLock<Examples> =
             LazyLock::new(|| demo(&DemoOptions { vertices: 200, poses: 12, held_out: 0, seed: 1 }));
         let training = Training::new(&ARM, &Silent).unwrap();
-        let helpers = HelperFit::new(&training).unwrap().run(6, 4);
+        let helpers = HelperFit::new(&training, sinew_runtime::envelope::HelperKind::Affine)
+            .unwrap()
+            .run(6, 4);
         let palettes = helpers.true_palette(&training.poses);
         let fitted = Fitted::new(&training, helpers.weights, None);
         let mut model = fitted.file_model(&training, Certificate::default());

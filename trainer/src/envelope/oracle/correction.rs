@@ -5,6 +5,7 @@ use super::reconstruction::within;
 use crate::envelope::model::{Curve, EnvelopeModel, Group};
 use crate::numeric::affine::{Strain, linear, strain, strain_norm};
 use crate::numeric::so3;
+use crate::numeric::trs::project;
 use crate::regression::confidence::ExpectedError;
 use crate::regression::map::Value;
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
@@ -69,7 +70,7 @@ impl EnvelopeModel {
         joints.chain(strains.into_flattened()).chain(pose.curves.iter().copied()).collect()
     }
 
-    /// Adds `A_dom K` to the palette's last P maps. Returns the palette and the confidence: the smallest confidence of
+    /// Adds `A_dom K` to the palette's last P maps, and projects them onto the kind of the helpers. Returns the palette and the confidence: the smallest confidence of
     /// all groups, joints and curves, or 1 without groups.
     pub fn correct(
         &self,
@@ -89,6 +90,9 @@ impl EnvelopeModel {
                 *out += linear(&dominant(pose, group.joint)) * map * share;
             }
             total = total.plus(expected_error);
+        }
+        for (map, place) in palette[first..].iter_mut().zip(&self.places) {
+            *map = project(self.helper_kind, map, &place.centre);
         }
         let of_joints = self.joint_confidences(pose, features).into_iter();
         (

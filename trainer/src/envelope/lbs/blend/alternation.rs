@@ -108,37 +108,63 @@ impl Alternation {
 /// - `pull`: weight of the proximal term, as a share of the mean diagonal. The term decides directions that the items
 ///   leave open: a map without items, or the normal of a flat patch. It also keeps the system positive definite.
 pub fn fit_maps(items: &Items<'_>, weights: &Weights, previous: &Mat<f64>, pull: f64) -> Mat<f64> {
-    let (size, rank) = (previous.ncols(), items.y.nrows());
-    let chunk = items.len().div_ceil(CHUNKS).max(1);
-    let parts: Vec<(Mat<f64>, Mat<f64>)> = (0..items.len().div_ceil(chunk))
-        .into_par_iter()
-        .map_init(columns::narrow_registers, |(), c| {
-            let mut normal = Mat::zeros(size, size);
-            let mut right = Mat::zeros(rank, size);
-            for item in c * chunk..((c + 1) * chunk).min(items.len()) {
-                for row in item * items.rows..(item + 1) * items.rows {
-                    accumulate(items, row, weights.of(item), item, normal.as_mut(), right.as_mut());
+    Normal::new(items, weights, previous, pull).solve(previous)
+}
+
+/// Normal equations of maps, `maps gram = right`.
+pub struct Normal {
+    /// Σ φ φᵀ over the rows of the items, with the proximal term, l·m x l·m.
+    pub gram: Mat<f64>,
+    /// Σ y φᵀ, with the proximal term, r x l·m.
+    pub right: Mat<f64>,
+}
+
+impl Normal {
+    /// Sums the equations of [`fit_maps`].
+    pub fn new(items: &Items<'_>, weights: &Weights, previous: &Mat<f64>, pull: f64) -> Self {
+        let (size, rank) = (previous.ncols(), items.y.nrows());
+        let chunk = items.len().div_ceil(CHUNKS).max(1);
+        let parts: Vec<(Mat<f64>, Mat<f64>)> = (0..items.len().div_ceil(chunk))
+            .into_par_iter()
+            .map_init(columns::narrow_registers, |(), c| {
+                let mut normal = Mat::zeros(size, size);
+                let mut right = Mat::zeros(rank, size);
+                for item in c * chunk..((c + 1) * chunk).min(items.len()) {
+                    for row in item * items.rows..(item + 1) * items.rows {
+                        accumulate(
+                            items,
+                            row,
+                            weights.of(item),
+                            item,
+                            normal.as_mut(),
+                            right.as_mut(),
+                        );
+                    }
                 }
-            }
-            (normal, right)
-        })
-        .collect();
-    let mut normal = Mat::<f64>::zeros(size, size);
-    let mut right = Mat::<f64>::zeros(rank, size);
-    for (n, r) in &parts {
-        normal += n;
-        right += r;
+                (normal, right)
+            })
+            .collect();
+        let mut normal = Mat::<f64>::zeros(size, size);
+        let mut right = Mat::<f64>::zeros(rank, size);
+        for (n, r) in &parts {
+            normal += n;
+            right += r;
+        }
+        let mean = (0..size).map(|i| normal[(i, i)]).sum::<f64>() / size.max(1) as f64;
+        let proximal = pull * mean + f64::MIN_POSITIVE;
+        for i in 0..size {
+            normal[(i, i)] += proximal;
+        }
+        right += faer::Scale(proximal) * previous;
+        Self { gram: normal, right }
     }
-    let mean = (0..size).map(|i| normal[(i, i)]).sum::<f64>() / size.max(1) as f64;
-    let proximal = pull * mean + f64::MIN_POSITIVE;
-    for i in 0..size {
-        normal[(i, i)] += proximal;
-    }
-    right += faer::Scale(proximal) * previous;
-    match normal.llt(Side::Lower) {
-        Ok(factor) => factor.solve(right.transpose()).transpose().to_owned(),
-        // Only rounding can make the system indefinite. The maps then stay unchanged.
-        Err(_) => previous.clone(),
+
+    /// Solves the equations. Only rounding can make them indefinite; the maps are then `previous`.
+    pub fn solve(&self, previous: &Mat<f64>) -> Mat<f64> {
+        match self.gram.llt(Side::Lower) {
+            Ok(factor) => factor.solve(self.right.transpose()).transpose().to_owned(),
+            Err(_) => previous.clone(),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ mod alternation;
 mod items;
 mod weights;
 
-pub use alternation::{Alternation, Blend, InTurn, fit_maps};
+pub use alternation::{Alternation, Blend, InTurn, Normal, fit_maps};
 pub use items::{Items, Pull, Supports, Weights};
 pub use weights::{CANDIDATES, fit_weights};
 
