@@ -189,7 +189,7 @@ fn normals_in_a_stock_shader_are_the_runtimes() {
         let wgsl = snippet("wgsl") + WGSL;
         let glsl = GLSL_HEAD.to_owned() + &snippet("glsl") + GLSL;
         let side = format!("{:?}", side(&palette[0]));
-        let [wgsl, glsl] = [wgsl, glsl].map(|text| Cow::Owned(text.replace("SIDE", &side)));
+        let [wgsl, glsl] = [wgsl, glsl].map(|text| Cow::<str>::Owned(text.replace("SIDE", &side)));
         let wgsl = || ShaderSource::Wgsl(wgsl.clone());
         let glsl = ShaderSource::Glsl { shader: glsl, stage: ShaderStage::Compute, defines: &[] };
         for source in [wgsl(), glsl] {

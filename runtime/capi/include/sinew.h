@@ -1218,10 +1218,6 @@ const char *sinew_version(void);
 /// Returns the version of the file format that the library reads.
 uint32_t sinew_format_version(void);
 
-/// Returns the name of an argument as zero-terminated text. Other numbers give "unknown argument". The
-/// pointer is never null and stays valid.
-const char *sinew_argument_text(uint32_t argument);
-
 /// Returns the meaning of a status as zero-terminated text. Other numbers give "unknown status". The
 /// pointer is never null and stays valid.
 const char *sinew_status_text(int32_t status);

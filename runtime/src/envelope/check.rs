@@ -179,7 +179,7 @@ fn check_curves(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 #[cfg(feature = "trs")]
 fn check_places(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
     let is_wrong = |words: &[Le; 9]| {
-        let (_, spread) = super::trs::place(words);
+        let (_, spread) = super::view::place(words);
         let [xx, _, _, yy, _, zz] = spread;
         spread.iter().any(|entry| entry.abs() > 2.0) || [xx, yy, zz].iter().any(|own| *own < 0.01)
     };

@@ -84,9 +84,9 @@ named! {
         Rigid = 2, "rigid";
     }
     /// Every kind.
-    ALL;
+    pub ALL;
     /// Returns the kind's name on the command line.
-    name;
+    pub name;
 }
 
 impl HelperKind {

@@ -2,11 +2,11 @@
 
 use super::counts::HelperKind;
 use super::polar::{nearest_rotation, normed};
-use super::view::Envelope;
+use super::view::{Envelope, place};
 use crate::error::{Argument, CallError};
 use crate::linear::{
-    Columns, IDENTITY, Le, Matrix3x4, columns, cross, dot, floats, moved, product, quaternion,
-    split, squared_length, turn,
+    Columns, IDENTITY, Matrix3x4, columns, cross, dot, moved, product, quaternion, split,
+    squared_length, turn,
 };
 use crate::numeric::sqrt;
 
@@ -148,12 +148,6 @@ pub(crate) fn project(envelope: &Envelope<'_>, helpers: &mut [Matrix3x4]) {
             *row = [a, b, c, shift + dot([x - a, y - b, z - c], centre)];
         }
     }
-}
-
-/// Reads the centre and the spread of a helper.
-pub(crate) fn place(words: &[Le; 9]) -> ([f32; 3], [f32; 6]) {
-    let [x, y, z, xx, xy, xz, yy, yz, zz] = floats(words);
-    ([x, y, z], [xx, xy, xz, yy, yz, zz])
 }
 
 /// Whether a linear part is neither nearly 0, nor huge, nor flat.

@@ -196,13 +196,14 @@ impl<'a> Envelope<'a> {
     /// Returns the spread of the vertices that a helper, or a proxy, moves: their covariance by squared weights, xx, xy,
     /// xz, yy, yz, zz, without a unit. It decides which rotation and scale of a bone are nearest to a palette entry.
     #[cfg(feature = "trs")]
-    pub fn helper_spread(&self, helper: usize) -> Option<[f32; 6]> {
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) fn helper_spread(&self, helper: usize) -> Option<[f32; 6]> {
         self.helper_place(helper).map(|(_, spread)| spread)
     }
 
     #[cfg(feature = "trs")]
     fn helper_place(&self, helper: usize) -> Option<([f32; 3], [f32; 6])> {
-        self.0.entry(HELPER_PLACES, self.proxy_len(), helper).map(super::trs::place)
+        self.0.entry(HELPER_PLACES, self.proxy_len(), helper).map(place)
     }
 
     /// Returns a coefficient of c1 (4 P x 3 P).
@@ -355,4 +356,11 @@ impl<'a> KeyRow<'a> {
 pub(crate) fn joint_index(le: &[u8; 2]) -> Option<usize> {
     let index = u16::from_le_bytes(*le);
     (index != NO_JOINT).then_some(usize::from(index))
+}
+
+/// Reads the centre and the spread of a helper.
+#[cfg(feature = "trs")]
+pub(crate) fn place(words: &[Le; 9]) -> ([f32; 3], [f32; 6]) {
+    let [x, y, z, xx, xy, xz, yy, yz, zz] = floats(words);
+    ([x, y, z], [xx, xy, xz, yy, yz, zz])
 }

@@ -70,7 +70,7 @@ fn loss(envelope: &Envelope<'_>, skin: &Skin<'_>, pose: &[Matrix3x4]) -> f64 {
 /// Loss of the elbow at 20 and at 100 degrees, as shares of the diagonal.
 fn losses(examples: &Examples, Trained { model, .. }: &Trained) -> [f64; 2] {
     let model = Model::from_bytes(model.as_slice()).unwrap();
-    let (envelope, skin) = (model.envelope().unwrap(), model.skin().unwrap());
+    let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let diagonal = f64::from(envelope.certificate().diagonal);
     [20.0, 100.0].map(|angle| loss(&envelope, &skin, &elbow(examples, angle)) / diagonal)
 }
@@ -92,7 +92,7 @@ fn bones_lose_little_of_affine_helpers_and_nothing_of_others() {
 fn training_states_the_loss() {
     for (kind, trained) in HelperKind::ALL.into_iter().zip(&arm().1) {
         let model = Model::from_bytes(trained.model.as_slice()).unwrap();
-        let envelope = model.envelope().unwrap();
+        let envelope = model.first::<Envelope>().unwrap();
         assert_eq!(envelope.helper_kind(), kind);
         let bones = trained.report.bones;
         let certificate = envelope.certificate();

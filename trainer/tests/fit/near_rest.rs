@@ -2,8 +2,8 @@
 
 use super::real_sets::{arm, only};
 use nalgebra::{Matrix3x4, Vector3};
-use sinew_runtime::Model;
 use sinew_runtime::envelope::Predictor;
+use sinew_runtime::{Envelope, Model};
 use sinew_trainer::envelope::posed::{Pose, palette};
 use sinew_trainer::envelope::train;
 use sinew_trainer::examples::demo::{DemoOptions, demo};
@@ -38,7 +38,7 @@ fn axes() -> Vec<Vector3<f64>> {
 /// Returns the least confidence in poses in which one joint turns by an angle about any axis.
 fn least_confidence(examples: &Examples, file: &[u8], degrees: f64) -> f32 {
     let model = Model::from_bytes(file).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let curves = vec![0.0; envelope.curve_len()];
     let mut least = f32::INFINITY;
     for joint in 0..examples.joint_len() {

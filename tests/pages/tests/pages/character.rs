@@ -141,7 +141,7 @@ fn joints_suffice_where_their_error_is_invisible() {
 #[test]
 fn bones_of_affine_helpers_move_the_skin_a_little() {
     let model = Model::from_bytes(arm::FILE.as_slice()).unwrap();
-    let envelope = model.envelope().unwrap();
+    let envelope = model.first::<Envelope>().unwrap();
     let pose = arm::pose(&arm::EXAMPLES, 35);
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut found = vec![Matrix3x4::default(); envelope.palette_len()];
