@@ -88,7 +88,7 @@ pub enum sinew_argument {
     Turns = 39,
     /// Intermediate result: strains of joints that stretch. No function of this library takes it.
     Strains = 40,
-    /// Bones of translation, rotation and scale. No function of this library takes them.
+    /// Bones of translation, rotation and scale.
     Bones = 41,
 
     /// Memory for an object; lengths are in bytes.

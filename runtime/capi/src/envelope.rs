@@ -43,6 +43,21 @@ pub struct sinew_local_transform {
     pub translation: [f32; 3],
 }
 
+/// A helper as a bone of an engine, in model space: `y = translation + rotation (scale * (x - centre))`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct sinew_bone {
+    /// Translation, in the model's unit.
+    pub translation: [f32; 3],
+    /// Unit quaternion x, y, z, w.
+    pub rotation: [f32; 4],
+    /// Scale along the model's axes at rest. All three are negative if the transform mirrors.
+    pub scale: [f32; 3],
+    /// Centre of the vertices that the helper moves, at rest. The bone's rest frame is the translation to the
+    /// centre, its bind matrix the translation back; they are the same in every pose.
+    pub centre: [f32; 3],
+}
+
 const _: () = {
     assert!(size_of::<sinew_local_transform>() == size_of::<LocalTransform>());
     assert!(align_of::<sinew_local_transform>() == align_of::<LocalTransform>());

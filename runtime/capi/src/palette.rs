@@ -2,9 +2,11 @@
 
 use crate::argument::sinew_argument;
 use crate::border::Array;
-use crate::envelope::{sinew_envelope, sinew_local_transform, sinew_matrix};
+use crate::envelope::{sinew_bone, sinew_envelope, sinew_local_transform, sinew_matrix};
 use crate::error::{sinew_error, sinew_status};
 use crate::part::Evaluation;
+use crate::pose::check_len;
+use sinew_runtime::envelope::Trs;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, model_space_pose};
 
 /// Computes the skinning matrices of a pose from local transforms and the hierarchy. An engine that already
@@ -78,6 +80,54 @@ pub unsafe extern "C" fn sinew_envelope_palette(
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { evaluation.run_one(envelope, out_error, Envelope::palette) }
+}
+
+/// Splits the transforms of the helpers of a palette, or of the proxies of a rotational envelope, into
+/// translation, rotation and scale, for engines whose bones hold these. A bone loses the shear of its transform;
+/// `sinew_certificate.trs_error` states what that costs, and `sinew train --helper-kind trs` makes helpers without
+/// shear. Bones of a helper that is nearly flat or 0 have the identity rotation.
+///
+/// - `palette`, `palette_len`: the result of `sinew_envelope_palette`.
+/// - `out_bones`, `bones_len`: receives `sinew_envelope_info.proxy_len` bones. The joints are bones of the
+///   engine's own skeleton.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_LONG`, `OVERLAP`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn sinew_envelope_bones(
+    envelope: *const sinew_envelope,
+    palette: *const sinew_matrix,
+    palette_len: usize,
+    out_bones: *mut sinew_bone,
+    bones_len: usize,
+    out_error: *mut sinew_error,
+) -> sinew_status {
+    let evaluation = Evaluation::<Matrix3x4, sinew_bone> {
+        input: Array::new(palette.cast(), palette_len, sinew_argument::Palette),
+        curves: Array::none(),
+        scratch: Array::none(),
+        output: Array::new(out_bones, bones_len, sinew_argument::Bones),
+        confidences: Array::none(),
+    };
+    let split = |envelope: &Envelope<'_>, palette: &[Matrix3x4], out: &mut [sinew_bone]| {
+        check_len(sinew_argument::Palette, envelope.palette_len(), palette.len())?;
+        check_len(sinew_argument::Bones, envelope.proxy_len(), out.len())?;
+        let helpers = palette.iter().skip(palette.len() - out.len());
+        for (helper, (out, entry)) in out.iter_mut().zip(helpers).enumerate() {
+            if let (Some(bone), Some(centre)) =
+                (envelope.bone(helper, entry), envelope.helper_centre(helper))
+            {
+                let Trs { translation, rotation, scale } = bone;
+                *out = sinew_bone { translation, rotation, scale, centre };
+            }
+        }
+        Ok(())
+    };
+    // SAFETY: the caller's promise is passed on.
+    unsafe {
+        evaluation.run(envelope, out_error, |envelope, palette, _, _, out, _| {
+            split(envelope, palette, out)
+        })
+    }
 }
 
 /// Computes the base of the palette, for a character that is far away: `sinew_envelope_palette` without the

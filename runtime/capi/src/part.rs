@@ -188,7 +188,7 @@ impl<I, O> Evaluation<I, O> {
     ///
     /// # Safety
     /// As for [`view`]; the input and the curves may be read, all other arrays and `out_error` may be written.
-    pub(crate) unsafe fn run<'a, T: Part + 'a>(
+    pub(crate) unsafe fn run<'a, T: Part + 'a, E>(
         self,
         at: *const T,
         out_error: *mut sinew_error,
@@ -199,8 +199,11 @@ impl<I, O> Evaluation<I, O> {
             &mut [f32],
             &mut [O],
             &mut [f32],
-        ) -> Result<(), CallError>,
-    ) -> sinew_status {
+        ) -> Result<(), E>,
+    ) -> sinew_status
+    where
+        sinew_error: From<E>,
+    {
         let body = || {
             // SAFETY: the caller's promise is passed on.
             let (view, [own, model, file]) = unsafe { view(at) }?;

@@ -390,7 +390,11 @@ pub unsafe extern "C" fn sinew_skeleton_hash(
 }
 
 /// Checks the length of an array.
-fn check_len(argument: sinew_argument, expected: usize, found: usize) -> Result<(), sinew_error> {
+pub(crate) fn check_len(
+    argument: sinew_argument,
+    expected: usize,
+    found: usize,
+) -> Result<(), sinew_error> {
     if found == expected {
         return Ok(());
     }

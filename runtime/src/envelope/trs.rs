@@ -5,7 +5,7 @@ use super::polar::{nearest_rotation, normed};
 use super::view::{Envelope, place};
 use crate::error::{Argument, CallError};
 use crate::linear::{
-    Columns, IDENTITY, Matrix3x4, columns, cross, dot, moved, product, quaternion, split,
+    Columns, IDENTITY, Le, Matrix3x4, columns, cross, dot, moved, product, quaternion, split,
     squared_length, turn,
 };
 use crate::numeric::sqrt;
@@ -114,11 +114,21 @@ impl Envelope<'_> {
         let first = out_palette.len().saturating_sub(out_bones.len());
         let (_, helpers) = split(out_palette, first);
         for ((out, map), words) in out_bones.iter_mut().zip(helpers).zip(self.helper_places()) {
-            let (centre, spread) = place(words);
-            let is_affine = self.helper_kind() == HelperKind::Affine;
-            *out = Trs::of(map, centre, if is_affine { &spread } else { &EVEN });
+            *out = self.bone_at(map, words);
         }
         Ok(confidence)
+    }
+
+    /// Returns the bone of a helper for its entry of a palette; `None` beyond the helpers. [`Self::palette_trs`] describes
+    /// it.
+    pub fn bone(&self, helper: usize, entry: &Matrix3x4) -> Option<Trs> {
+        self.helper_places().get(helper).map(|words| self.bone_at(entry, words))
+    }
+
+    fn bone_at(&self, entry: &Matrix3x4, words: &[Le; 9]) -> Trs {
+        let (centre, spread) = place(words);
+        let is_affine = self.helper_kind() == HelperKind::Affine;
+        Trs::of(entry, centre, if is_affine { &spread } else { &EVEN })
     }
 }
 

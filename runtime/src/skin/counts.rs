@@ -105,11 +105,13 @@ impl SkinCounts {
 pub struct NormalErrors {
     /// Error of the model's normals.
     pub model: f32,
+    /// Error of the model's palette in a shader without tangent coefficients: normals by cofactors.
+    pub cofactors: f32,
     /// Error of the normals of linear blend skinning, by cofactors.
     pub lbs: f32,
 }
 
-flat! { NormalErrors of "normal_errors", figures, from_figures: [f32; 2] { model, lbs } }
+flat! { NormalErrors of "normal_errors", figures, from_figures: [f32; 3] { model, cofactors, lbs } }
 
 /// Measured errors of the shapes in the file against the source of the bake, each shape at a weight of 1.
 ///

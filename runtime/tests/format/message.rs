@@ -111,7 +111,7 @@ fn errors_say_what_is_wrong_in_a_phrase() {
     );
     assert_eq!(
         cut(bytes.len() - 1),
-        "part 1: the file ends early: section normal_errors: expected 8 bytes, found 7"
+        "part 1: the file ends early: section normal_errors: expected 12 bytes, found 11"
     );
     let space = phrase(&|b| b.head[head::SPACE.start] = 9);
     assert_eq!(space, "byte 0 of the space: 9 is not valid");

@@ -80,7 +80,10 @@ fn accessors_give_what_was_written() {
     }
     assert_eq!(skin.tangent_coefficients(0).len(), 1);
     assert_eq!(skin.tangent_coefficients(7).len() + skin.tangent_coefficients(usize::MAX).len(), 0);
-    assert_eq!(skin.normal_errors(), Some(NormalErrors { model: 0.03125, lbs: 0.125 }));
+    assert_eq!(
+        skin.normal_errors(),
+        Some(NormalErrors { model: 0.03125, cofactors: 0.0625, lbs: 0.125 })
+    );
     let ranges = skin.ranges().collect::<Vec<_>>();
     assert_eq!(ranges, [("upper", 0..3), ("lower", 4..7)]);
     assert!(

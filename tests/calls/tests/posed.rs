@@ -3,7 +3,7 @@
 use crate::handles::{NONE, done, get};
 use crate::{Both, each};
 use sinew_capi::*;
-use sinew_runtime::envelope::PoseFaultKind;
+use sinew_runtime::envelope::{PoseFaultKind, Trs};
 use sinew_runtime::{
     LocalTransform, Matrix3x4, gather_pose, matrix, mesh_hash_of, model_space_pose,
     skeleton_hash_of,
@@ -233,6 +233,32 @@ fn joint_confidences_have_the_bits_of_the_runtime() {
             unsafe { sinew_envelope_joint_confidences(e, from, j, c, c_len, at, s, out, j, NONE) };
         let is_known = if done.is_ok() { sinew_status::Ok } else { sinew_status::NoStage };
         assert_eq!((status, result), (is_known, expected));
+    });
+}
+
+#[test]
+fn bones_have_the_bits_of_the_runtime() {
+    each(|Both { c: (found, _), rust: (envelope, _), .. }| {
+        let (pose, p) = (rest(&envelope), envelope.proxy_len());
+        let (mut scratch, mut palette) =
+            (vec![0.0; envelope.scratch_len()], vec![[[0.0; 4]; 3]; envelope.palette_len()]);
+        let (curves, mut expected) = (vec![0.25; envelope.curve_len()], vec![Trs::IDENTITY; p]);
+        envelope.palette_trs(&pose, &curves, &mut scratch, &mut palette, &mut expected).unwrap();
+        let empty = sinew_bone {
+            translation: [0.5; 3],
+            rotation: [0.5; 4],
+            scale: [0.5; 3],
+            centre: [0.5; 3],
+        };
+        let mut result = vec![empty; p];
+        let (from, len, out) = (palette.as_ptr().cast(), palette.len(), result.as_mut_ptr());
+        // SAFETY: an open envelope, and arrays with their lengths.
+        done(unsafe { sinew_envelope_bones(found.handle, from, len, out, p, NONE) });
+        for (helper, (bone, own)) in result.iter().zip(&expected).enumerate() {
+            let in_c = (bone.translation, bone.rotation, bone.scale);
+            assert_eq!(in_c, (own.translation, own.rotation, own.scale));
+            assert_eq!(Some(bone.centre), envelope.helper_centre(helper));
+        }
     });
 }
 

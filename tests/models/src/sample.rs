@@ -186,8 +186,8 @@ fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
         (SectionKind::RestBoxes, floats(boxes.as_flattened())),
         (SectionKind::Ranges, words(&[0, cut, end.min(cut + 1), end])),
         (SectionKind::TangentCoefficients, halves(&tangent_coefficients(v * k.saturating_sub(1)))),
-        // Errors of the model and of linear blend skinning.
-        (SectionKind::NormalErrors, floats(&[0.03125, 0.125])),
+        // Errors of the model, of its palette with cofactors, and of linear blend skinning.
+        (SectionKind::NormalErrors, floats(&[0.03125, 0.0625, 0.125])),
     ]
 }
 

@@ -146,10 +146,12 @@ fn of_skin(model: &Model<Vec<u8>>, skin: &Skin<'_>) -> Report {
     let follows = envelope.map(|envelope| format!("envelope \"{}\"", printable(envelope.name())));
     let coefficients = if skin.has_coefficients() { "tangent coefficients" } else { "cofactors" };
     let normals = skin.normal_errors().map(|errors| {
-        let [model, lbs] = errors.figures().map(f32::to_degrees);
+        let [model, cofactors, lbs] =
+            errors.figures().map(|angle| format!("{:.2} °", angle.to_degrees()));
         Report::default()
-            .shown("model", "normals, RMS, training frames", errors.model, format!("{model:.2} °"))
-            .shown("lbs", "normals of LBS, the same frames", errors.lbs, format!("{lbs:.2} °"))
+            .shown("model", "normals, RMS, training frames", errors.model, model)
+            .shown("cofactors", "normals of a stock shader", errors.cofactors, cofactors)
+            .shown("lbs", "normals of LBS, the same frames", errors.lbs, lbs)
     });
     let element = skin.shape_element().name();
     let shapes = Report::default().figure("count", "shapes", skin.shape_len(), "").figure(

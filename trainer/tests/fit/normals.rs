@@ -239,9 +239,12 @@ fn the_file_states_the_errors_of_its_normals() {
         let model = train(&examples, &options(predictor), &Silent).unwrap().model;
         let says =
             Model::from_bytes(&model).unwrap().first::<Skin>().unwrap().normal_errors().unwrap();
-        let found = evaluate(&model, None, &examples, Frames::Of(Split::Train)).unwrap();
+        let of = |model: &[u8]| evaluate(model, None, &examples, Frames::Of(Split::Train)).unwrap();
+        let (found, plain) = (of(&model), of(&without_coefficients(&model, "skin")));
+        assert!(says.cofactors > 1.5 * says.model, "{says:?}");
         for (says, found) in [
             (says.model, found.errors.normal_rms_degrees),
+            (says.cofactors, plain.errors.normal_rms_degrees),
             (says.lbs, found.lbs.normal_rms_degrees),
         ] {
             let ratio = f64::from(says).to_degrees() / found;

@@ -200,7 +200,7 @@ fn counts(kind: SectionKind) {
     let counts = SkinCounts::from_words(black_box([0; 7]));
     black_box((counts.has(kind), counts.section_bytes(kind, index(), black_box(Element::I8))));
     black_box((counts.words(), counts.envelope(), Predictor::from_number(black_box(1))));
-    black_box(NormalErrors::from_figures(black_box([0.0; 2])).figures());
+    black_box(NormalErrors::from_figures(black_box([0.0; 3])).figures());
     black_box(ShapeErrors::from_figures(black_box([0.0; 2])).figures());
     kernel_rows(kind);
     let counts = FilterCounts::from_words(black_box([0; 2]));

@@ -30,6 +30,7 @@ pub(super) struct Frame {
     pub(super) pose: Vec<Matrix3x4>,
     pub(super) curves: Vec<f32>,
     pub(super) palette: Vec<Matrix3x4>,
+    pub(super) proxy_len: usize,
     pub(super) confidence: f32,
 
     pub(super) skin_name: String,
@@ -127,6 +128,7 @@ impl Frame {
         self.envelope_name = envelope.name().to_owned();
         self.predictor = Some(envelope.predictor());
         self.scratch_len = envelope.scratch_len();
+        self.proxy_len = envelope.proxy_len();
         self.local = poses::local(envelope, pose_number);
         self.pose = poses::from_local(envelope, &self.local);
         self.curves = poses::curves(envelope, pose_number);

@@ -23,7 +23,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions and their names.
-pub(super) const FUNCTIONS: [(&str, Function); 51] = [
+pub(super) const FUNCTIONS: [(&str, Function); 52] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -38,6 +38,7 @@ pub(super) const FUNCTIONS: [(&str, Function); 51] = [
     ("sinew_envelope_palettes", palettes),
     ("sinew_envelope_rotational_palette", rotational_palette),
     ("sinew_envelope_base_palette", posed::base_palette),
+    ("sinew_envelope_bones", posed::bones),
     ("sinew_envelope_joint_confidences", posed::joint_confidences),
     ("sinew_envelope_rest_locals", posed::rest_locals),
     ("sinew_envelope_bind", posed::bind),

@@ -22,6 +22,18 @@ pub(super) fn rest_locals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_envelope_rest_locals(envelope, out, out_len, error) })
 }
 
+pub(super) fn bones(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    let envelope = call.envelope()?;
+    let (all, p) = (call.arena.frame.palette.len(), call.arena.frame.proxy_len);
+    // A skin of another envelope has a palette of another length.
+    let place = call.arena.skin_palette.clone();
+    let (palette, palette_len) = call.input(place, all, Argument::Palette)?;
+    let (out, out_len) = call.output_exact(p, p, Argument::Bones)?;
+    let error = call.ready(unknown);
+    // SAFETY: as above.
+    Ok(unsafe { sinew_envelope_bones(envelope, palette, palette_len, out, out_len, error) })
+}
+
 pub(super) fn bind(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let envelope = call.envelope()?;
     let j = call.arena.frame.pose.len();

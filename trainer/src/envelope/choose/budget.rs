@@ -100,7 +100,7 @@ impl<'a> Budget<'a> {
                     model.skins.iter_mut().for_each(SkinModel::reserve_coefficients);
                 }
                 if let Some(own) = model.skins.first_mut() {
-                    own.normal_errors = Some(NormalErrors { model: 0.0, lbs: 0.0 });
+                    own.normal_errors = Some(NormalErrors { model: 0.0, cofactors: 0.0, lbs: 0.0 });
                 }
             }
             FileSkins::PaletteAlone => model.skins.clear(),

@@ -35,6 +35,14 @@ pub fn fit_normals(
     training: &Training,
 ) -> Result<(), Error> {
     let examples = training.examples;
+    let frames = training.poses.frames();
+    let measure = |model: &FileModel| {
+        let bytes = model.bake()?;
+        let character = Character::open(&bytes, None, examples)?;
+        rms(&frames, |chunk| Measured::model(&character, examples, chunk))
+    };
+    let cofactors = measure(model)?;
+    let mut measured = cofactors;
     if let Some(palettes) = palettes {
         let surface = PosedSurface {
             rest: &training.rest,
@@ -44,14 +52,12 @@ pub fn fit_normals(
             authored: examples.surface().authored_normals().is_some(),
         };
         model.skins.iter_mut().for_each(|skin| surface.fit(skin, training.unit, influences_max));
+        measured = measure(model)?;
     }
-    let bytes = model.bake()?;
-    let character = Character::open(&bytes, None, examples)?;
-    let frames = training.poses.frames();
-    let measured = rms(&frames, |chunk| Measured::model(&character, examples, chunk))?;
     let lbs = Baseline::new(training.lbs.weights.clone(), examples);
     let lbs = rms(&frames, |chunk| Ok(Measured::lbs(&lbs, examples, chunk)))?;
-    let errors = NormalErrors { model: measured as f32, lbs: lbs as f32 };
+    let [model_rms, cofactors, lbs] = [measured, cofactors, lbs].map(|angle| angle as f32);
+    let errors = NormalErrors { model: model_rms, cofactors, lbs };
     model.skins.iter_mut().for_each(|skin| skin.normal_errors = Some(errors));
     Ok(())
 }
