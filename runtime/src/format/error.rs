@@ -1,6 +1,7 @@
 //! Errors of files.
 
 use super::SectionKind;
+use super::tables::{EVALUATED, PartKind};
 use core::fmt;
 
 /// Reason why a file was refused, with its place. FORMAT.md lists the checks in their order.
@@ -151,6 +152,12 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
 
 impl core::error::Error for FileError {}
 
+/// Returns the kind of part with a number, if this build does not evaluate it.
+fn unevaluated(number: u32) -> Option<PartKind> {
+    let kind = PartKind::from_number(u16::try_from(number).ok()?)?;
+    (!EVALUATED.contains(&kind)).then_some(kind)
+}
+
 impl fmt::Display for FileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { kind, part, section, index, expected, found } = *self;
@@ -197,9 +204,13 @@ impl fmt::Display for FileError {
             }
             FileErrorKind::Unsupported => match section {
                 Some(_) => write!(f, "element {index} of {name}: unknown number {found}"),
-                None if part.is_some() => {
-                    write!(f, "unknown required kind, type or flags: {found}")
-                }
+                None if part.is_some() => match unevaluated(found) {
+                    Some(kind) => {
+                        let name = kind.name();
+                        write!(f, "a {name}, and this build lacks the feature `{name}`")
+                    }
+                    None => write!(f, "unknown required kind, type or flags: {found}"),
+                },
                 None => write!(f, "needs unknown features {found:#x}"),
             },
             FileErrorKind::PartIndex => {

@@ -70,6 +70,9 @@ pub(crate) const EVALUATED: [PartKind;
     PartKind::Record,
 ];
 
+// No feature changes the list.
+const _: () = assert!(PartKind::ALL.len() == 7);
+
 /// A row of the part table. The part's sections hold its content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartRow {

@@ -24,8 +24,12 @@ fn main() {
     frame(&model, &pose, &mut scratch, &mut palette, &mut positions).unwrap();
     let rest = skin.rest_position(0).unwrap();
     println!(\"{:.3}\", positions[0][2] - rest[2]);
+    println!(\"{}\", load(include_bytes!(\"../kernel.snw\").to_vec()).err().unwrap());
 }
 ";
+
+/// What that code prints. The engine has the default features.
+const PRINTED: &str = "5.000\npart 0: a kernel, and this build lacks the feature `kernel`\n";
 
 /// Makes an engine as a workspace, with a game that uses the runtime in another folder. The engine
 /// lies outside our workspace, at a place specific to this checkout.
@@ -41,8 +45,9 @@ fn engine(name: &str, workspace: &str) -> PathBuf {
         &engine.join("game/src/main.rs"),
         &(blocks(&read("runtime/README.md"), "rust")[0].to_owned() + MAIN),
     );
-    std::fs::copy(models::golden_path(models::GOLDEN_NAMES[0]), engine.join("game/arm.snw"))
-        .unwrap();
+    for (golden, name) in [(models::GOLDEN_NAMES[0], "arm.snw"), ("kernel-10.snw", "kernel.snw")] {
+        std::fs::copy(models::golden_path(golden), engine.join("game").join(name)).unwrap();
+    }
     engine
 }
 
@@ -55,7 +60,7 @@ fn the_repository_may_stand_inside_another_workspace() {
         &["runtime/benches", "tests/models/Cargo.toml", "tests/models/src", "tests/golden"],
         &sinew,
     );
-    assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), "5.000\n");
+    assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), PRINTED);
 }
 
 #[test]
@@ -63,7 +68,7 @@ fn the_runtime_alone_may_stand_where_the_workspace_leaves_it_out() {
     let workspace = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
     let engine = engine("engine-alone", workspace);
     copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
-    assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), "5.000\n");
+    assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), PRINTED);
 }
 
 /// Pages whose code a reader copies.
