@@ -271,7 +271,7 @@ enum sinew_argument
     SINEW_ARGUMENT_TURNS = 39,
     /// Intermediate result: strains of joints that stretch. No function of this library takes it.
     SINEW_ARGUMENT_STRAINS = 40,
-    /// Bones of translation, rotation and scale. No function of this library takes them.
+    /// Bones of translation, rotation and scale.
     SINEW_ARGUMENT_BONES = 41,
     /// Memory for an object; lengths are in bytes.
     SINEW_ARGUMENT_MEMORY = 50,
@@ -683,6 +683,19 @@ typedef struct sinew_curve {
     /// Largest value in training.
     float max;
 } sinew_curve;
+
+/// A helper as a bone of an engine, in model space: `y = translation + rotation (scale * (x - centre))`.
+typedef struct sinew_bone {
+    /// Translation, in the model's unit.
+    float translation[3];
+    /// Unit quaternion x, y, z, w.
+    float rotation[4];
+    /// Scale along the model's axes at rest. All three are negative if the transform mirrors.
+    float scale[3];
+    /// Centre of the vertices that the helper moves, at rest. The bone's rest frame is the translation to the
+    /// centre, its bind matrix the translation back; they are the same in every pose.
+    float centre[3];
+} sinew_bone;
 
 /// A name of the caller.
 typedef struct sinew_name {
@@ -1379,6 +1392,23 @@ sinew_status sinew_envelope_palette(const struct sinew_envelope *envelope,
                                     size_t palette_len,
                                     float *out_confidence,
                                     struct sinew_error *out_error);
+
+/// Splits the transforms of the helpers of a palette, or of the proxies of a rotational envelope, into
+/// translation, rotation and scale, for engines whose bones hold these. A bone loses the shear of its transform;
+/// `sinew_certificate.trs_error` states what that costs, and `sinew train --helper-kind trs` makes helpers without
+/// shear. Bones of a helper that is nearly flat or 0 have the identity rotation.
+///
+/// - `palette`, `palette_len`: the result of `sinew_envelope_palette`.
+/// - `out_bones`, `bones_len`: receives `sinew_envelope_info.proxy_len` bones. The joints are bones of the
+///   engine's own skeleton.
+///
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_LONG`, `OVERLAP`.
+sinew_status sinew_envelope_bones(const struct sinew_envelope *envelope,
+                                  const struct sinew_matrix *palette,
+                                  size_t palette_len,
+                                  struct sinew_bone *out_bones,
+                                  size_t bones_len,
+                                  struct sinew_error *out_error);
 
 /// Computes the base of the palette, for a character that is far away: `sinew_envelope_palette` without the
 /// correction, with the arguments of that call.

@@ -108,7 +108,10 @@ pub unsafe extern "C" fn sinew_envelope_bones(
         output: Array::new(out_bones, bones_len, sinew_argument::Bones),
         confidences: Array::none(),
     };
-    let split = |envelope: &Envelope<'_>, palette: &[Matrix3x4], out: &mut [sinew_bone]| {
+    let split = |envelope: &Envelope<'_>,
+                 palette: &[Matrix3x4],
+                 out: &mut [sinew_bone]|
+     -> Result<(), sinew_error> {
         check_len(sinew_argument::Palette, envelope.palette_len(), palette.len())?;
         check_len(sinew_argument::Bones, envelope.proxy_len(), out.len())?;
         let helpers = palette.iter().skip(palette.len() - out.len());
