@@ -57,12 +57,16 @@ impl Trs {
         let [x, y, z, _] = columns(map);
         let linear = [x, y, z];
         let weighed = product(&linear, &[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
-        let rotation = if is_upright(linear) {
+        let found = if is_upright(linear) {
             // Twice the steps: a spread is flatter than a transform.
             nearest_rotation(nearest_rotation(normed(weighed)))
         } else {
             IDENTITY
         };
+        // A file may state a spread that is no covariance.
+        let [a, b, c] = found;
+        let square = dot(a, a) + dot(b, b) + dot(c, c);
+        let rotation = if square > 2.0 && square < 4.0 { found } else { IDENTITY };
         let [a, b, c] = rotation;
         let mirror = if dot(a, cross(b, c)) < 0.0 { -1.0 } else { 1.0 };
         let turn = rotation.map(|column| column.map(|value| mirror * value));

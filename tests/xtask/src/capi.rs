@@ -5,10 +5,11 @@ use super::components::{self, Component, starts};
 use std::path::Path;
 use std::process::Command;
 
-const COMPONENTS: [Component; 7] = [
+const COMPONENTS: [Component; 8] = [
     Component { what: "gcc", package: "gcc", found: || starts("gcc") },
     Component { what: "g++", package: "g++", found: || starts("g++") },
     Component { what: "clang", package: "clang", found: || starts("clang") },
+    Component { what: "clang-format", package: "clang-format", found: || starts("clang-format") },
     Component { what: "CMake", package: "cmake", found: || starts("cmake") },
     Component {
         what: "arm-none-eabi-gcc",

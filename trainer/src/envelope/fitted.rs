@@ -8,7 +8,7 @@ use crate::envelope::lbs::targets::{bases, map_of, set_map, skin};
 use crate::envelope::lbs::training::Training;
 use crate::numeric::affine::{homogeneous, linear};
 use crate::numeric::columns::{self, largest};
-use crate::numeric::trs::{Place, bone, project};
+use crate::numeric::trs::{FLAT_SPREAD, Place, bone, project};
 use faer::Mat;
 use nalgebra::{Matrix3x4, Matrix4};
 use rayon::prelude::*;
@@ -18,10 +18,6 @@ use std::ops::Range;
 
 /// Name of a trained envelope.
 pub const NAME: &str = "envelope";
-
-/// Added to the diagonal of a spread of trace 1, so that a runtime's seven steps reach its rotations. A hundredth or a
-/// tenth changes the error of bones by 3 % at most.
-const FLAT: f64 = 0.03;
 
 /// A fitted envelope, in training units.
 #[derive(Clone)]
@@ -203,7 +199,7 @@ pub(super) fn places(training: &Training, weights: &Weights, span: Range<usize>)
             grams[map - span.start] += own * (weight * weight);
         }
     }
-    let place = |gram| Place::new(gram, FLAT);
+    let place = |gram| Place::new(gram, FLAT_SPREAD);
     grams.iter().filter_map(|gram| place(gram).or_else(|| place(&all))).collect()
 }
 

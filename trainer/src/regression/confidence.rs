@@ -2,11 +2,10 @@
 //! input to the centres.
 
 use super::arithmetic::{Arithmetic, U, gamma};
+use sinew_runtime::envelope::GroupConfidence;
 
 /// End of a fade over its start, as squared distances (METHOD §2.6).
 const FADE: f64 = 6.25;
-/// `reach` over the squared distance from rest where an error's growth turns from quartic to quadratic (METHOD §2.6).
-const TURN: f64 = 4.0;
 /// Relative error of the runtime's smoothstep.
 pub const STEP_ERROR: f64 = 4e-7;
 
@@ -63,7 +62,8 @@ impl MapConfidence {
 
     /// Returns the growth of an error at a squared distance from rest, in [0, 1].
     pub fn growth(&self, square: f64) -> f64 {
-        TURN * square / (TURN * square + self.reach)
+        let turned = f64::from(GroupConfidence::TURN) * square;
+        turned / (turned + self.reach)
     }
 
     /// Bounds the expected error that the runtime computes from rounded numbers.

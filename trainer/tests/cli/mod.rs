@@ -228,8 +228,8 @@ fn the_record_holds_hashes_folds_candidates_and_the_choice() {
     assert_eq!(record["joints"], set.joint_len());
     assert_eq!(record["proxies"], 2);
     let asked = json!({
-        "predictor": null, "proxies": 2, "max_error": null, "influences": 4,
-        "unrefined": false, "published": false, "budget": null,
+        "predictor": null, "proxies": 2, "helper_kind": "affine", "max_error": null,
+        "influences": 4, "unrefined": false, "published": false, "budget": null,
     });
     assert_eq!(record["options"], asked);
     assert_eq!(record["model_bytes"], folder.read("new.sinew").len());

@@ -5,9 +5,6 @@ use crate::numeric::{greater, lesser, nearness, smoothstep};
 
 /// Unexplained error far from the training poses, where nothing is explained.
 const FAR: f32 = 1.0e30;
-/// `reach` over the squared distance from rest where the error's growth turns from quartic to quadratic.
-const TURN: f32 = 4.0;
-
 /// Parameters of a group's confidence: how the variance of the group's kernel map becomes an expected error.
 ///
 /// Errors are squared distances, divided by the squared distance that counts as no error.
@@ -33,6 +30,9 @@ pub(crate) struct ExpectedError {
 }
 
 impl GroupConfidence {
+    /// `reach` over the squared distance from rest where the error's growth turns from quartic to quadratic.
+    pub const TURN: f32 = 4.0;
+
     /// Returns the four floats of a row in the file.
     pub(crate) fn words(&self) -> [Le; 4] {
         [self.reach, self.linear, self.signal, self.noise].map(f32::to_le_bytes)
@@ -63,7 +63,7 @@ impl GroupConfidence {
             explained += root * root;
         }
         let explained = near * lesser(prior, explained);
-        let turned = TURN * square;
+        let turned = Self::TURN * square;
         let growth = turned / (turned + self.reach);
         ExpectedError {
             explained: self.signal * (growth * explained),

@@ -47,7 +47,7 @@ fn every_status_in_the_header_occurs() {
     files.push(Pieces::filter(&FilterContent::sample(2, 5)).bytes());
     let mut random = ChaCha8Rng::seed_from_u64(139);
     let mut seen = BTreeSet::new();
-    for number in 0..600_000 {
+    for number in 0..800_000 {
         let mut bytes = [0; 160];
         random.fill_bytes(&mut bytes);
         let (script, recipe) = bytes.split_at(96);

@@ -96,7 +96,7 @@ fn counted_content_must_exist_before_anything_is_read() {
 }
 
 #[test]
-fn helpers_that_take_no_bytes_are_held_by_the_limits() {
+fn helpers_that_take_few_bytes_are_held_by_the_limits() {
     // A kernel envelope without a skin, with one group of as many helpers as possible and no
     // centres: a few bytes state a palette of many transforms, within the limits of the caller.
     let promise = |proxies: u32| {
@@ -116,6 +116,8 @@ fn helpers_that_take_no_bytes_are_held_by_the_limits() {
         };
         *pieces.section(SectionKind::Groups) = group_row(&row).to_vec();
         pieces.section(SectionKind::Corrections).clear();
+        let places = pieces.section(SectionKind::HelperPlaces);
+        *places = places[..36].repeat(proxies as usize);
         pieces.set_word(SectionKind::EnvelopeCounts, 2, proxies);
         pieces.set_word(SectionKind::EnvelopeCounts, 4, 1);
         pieces.set_word(SectionKind::EnvelopeCounts, 5, row.scratch_len() as u32);

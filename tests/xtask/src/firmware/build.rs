@@ -40,8 +40,10 @@ impl Image {
             Self::Cost => Some("cortex-m,internals,normals"),
             Self::CostServo => Some("cortex-m,internals,kernel,normals"),
             Self::CostNormals => Some("cortex-m,internals,normals"),
-            Self::Bits => Some("curves,filter,internals,kernel,normals,prior,shapes,stretch,views"),
-            Self::Proof => Some("curves,filter,internals,kernel,normals,prior,shapes,stretch"),
+            Self::Bits => {
+                Some("curves,filter,internals,kernel,normals,prior,shapes,stretch,trs,views")
+            }
+            Self::Proof => Some("curves,filter,internals,kernel,normals,prior,shapes,stretch,trs"),
             Self::Servo | Self::SizeServo => Some("kernel"),
             Self::Sensor | Self::SizeSensor => Some("filter"),
             Self::SizeNormals => Some("normals"),
@@ -174,7 +176,7 @@ pub(super) fn lint(folder: &Path) -> Result<(), String> {
         .args([
             "--bins",
             "--features",
-            "control,cortex-m,curves,filter,internals,kernel,normals,prior,shapes,stretch,views",
+            "control,cortex-m,curves,filter,internals,kernel,normals,prior,shapes,stretch,trs,views",
         ])
         .args(triple(M4F));
     crate::call::run(command.args(["--", "-D", "warnings"]))

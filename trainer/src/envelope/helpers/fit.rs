@@ -1,7 +1,7 @@
 //! Fit of helpers to the training frames (METHOD §1.9).
 
 use super::Helpers;
-use super::kind::{FEW_SWEEPS, SWEEPS, fit_kind};
+use super::kind::fit_kind;
 use crate::envelope::fitted::places;
 use crate::envelope::lbs::blend::{Alternation, InTurn, Items, Normal, Pull, Supports, Weights};
 use crate::envelope::lbs::projection::gram;
@@ -21,7 +21,7 @@ pub const STEP: &str = "helpers";
 const CHOICES: usize = 30;
 /// Factor of the first rounds for a skeleton of one joint: LBS has no motion there, so its weights are no start.
 const FROM_NOTHING: usize = 3;
-/// Number of last rounds, in which vertices keep their transforms.
+/// Number of last rounds, in which vertices keep their transforms, and of sweeps over helpers of a kind.
 const ROUNDS: usize = 10;
 
 /// Input shared by the fits of any number of helpers.
@@ -82,7 +82,7 @@ impl<'a> HelperFit<'a> {
         let normal = helper_equations(&training.targets(&weights), [joints, &anchors], training);
         let mut maps = normal.solve(&anchors);
         if self.kind != HelperKind::Affine {
-            maps = fit_kind(&normal, &maps, self.kind, None, SWEEPS);
+            maps = fit_kind(&normal, &maps, self.kind, None, ROUNDS);
         }
         let span = poses.joint_len()..poses.joint_len() + dominant.len();
         let places = places(training, &weights, span.clone());
@@ -280,7 +280,7 @@ impl InTurn for Refit<'_> {
             HelperKind::Affine => normal.solve(anchors),
             _ => {
                 let basis = Some(&training.basis().vectors);
-                fit_kind(&normal, from, kind, basis, FEW_SWEEPS)
+                fit_kind(&normal, from, kind, basis, 1)
             }
         }
     }

@@ -8,14 +8,6 @@ use nalgebra::{Matrix3x4, Matrix4, Vector3};
 use rayon::prelude::*;
 use sinew_runtime::envelope::HelperKind;
 
-/// Sweeps of a fit within the alternation of weights and transforms, which continues the last fit.
-pub(super) const FEW_SWEEPS: usize = 2;
-/// Sweeps of the last fit.
-pub(super) const SWEEPS: usize = 20;
-
-/// Added to the diagonal of a spread of trace 1. It decides the scale across a flat patch.
-const FLAT: f64 = 1e-9;
-
 /// Fits helper transforms of a kind to normal equations, starting from given transforms. Both are 3n x 4P, or on a basis
 /// of n poses.
 ///
@@ -40,7 +32,7 @@ pub(super) fn fit_kind(
             let last = maps.subcols(4 * l, 4).to_owned();
             let free = &last + slope * Mat::from_fn(4, 4, |r, c| inverse[(r, c)]);
             let (free, last) = (in_poses(free), in_poses(last));
-            let Some(place) = Place::new(&gram, FLAT) else { continue };
+            let Some(place) = Place::new(&gram, f64::EPSILON) else { continue };
             let of_pose = |pose| {
                 let last = map_of(&last, pose, 0);
                 let scale = match kind {
