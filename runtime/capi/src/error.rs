@@ -2,7 +2,6 @@
 
 use crate::argument::sinew_argument;
 use core::ffi::{CStr, c_char};
-use core::fmt::Write;
 use sinew_runtime::{CallError, CallErrorKind, FileError, FileErrorKind};
 
 /// Sentinel for "no part".
@@ -274,8 +273,9 @@ pub unsafe extern "C" fn sinew_error_text(
     // SAFETY: the caller lends this memory.
     let out = unsafe { core::slice::from_raw_parts_mut(out.cast::<u8>(), text_len) };
     let mut text = Text { out, len: 0 };
-    // A text reports no errors.
-    let _ = error.map_or(Ok(()), |error| error.write(&mut text));
+    if let Some(error) = error {
+        error.write(&mut text);
+    }
     let Text { out, len } = text;
     if let Some(last) = out.len().checked_sub(1)
         && let Some(zero) = out.get_mut(len.min(last))
@@ -291,36 +291,55 @@ struct Text<'a> {
     len: usize,
 }
 
-impl Write for Text<'_> {
-    fn write_str(&mut self, text: &str) -> core::fmt::Result {
+impl Text<'_> {
+    fn push(&mut self, text: &[u8]) {
         let room = self.out.get_mut(self.len..).unwrap_or_default();
-        room.iter_mut().zip(text.as_bytes()).for_each(|(out, byte)| *out = *byte);
+        room.iter_mut().zip(text).for_each(|(out, byte)| *out = *byte);
         self.len = self.len.saturating_add(text.len());
-        Ok(())
+    }
+
+    /// Writes a number. `core::fmt` would add its panics to firmware.
+    fn push_number(&mut self, mut number: usize) {
+        let (mut digits, mut len) = ([0; 20], 0);
+        for digit in digits.iter_mut().rev() {
+            *digit = b'0' + (number % 10) as u8;
+            (number, len) = (number / 10, len + 1);
+            if number == 0 {
+                break;
+            }
+        }
+        self.push(digits.get(digits.len() - len..).unwrap_or_default());
+    }
+
+    fn push_field(&mut self, name: &str, value: usize) {
+        self.push(b", ");
+        self.push(name.as_bytes());
+        self.push(b" ");
+        self.push_number(value);
     }
 }
 
 impl sinew_error {
-    fn write(&self, out: &mut Text<'_>) -> core::fmt::Result {
+    fn write(&self, out: &mut Text<'_>) {
         let Self { status, argument, part, section, index, expected, found } = *self;
         let known = TEXTS.iter().find(|(known, ..)| *known == status);
         let (text, fields) = known.map_or((c"", ""), |(_, text, fields)| (*text, *fields));
-        let text = text.to_str().unwrap_or_default();
-        write!(out, "{}: {text}", argument.name())?;
+        out.push(argument.name().as_bytes());
+        out.push(b": ");
+        out.push(text.to_bytes());
         if part != SINEW_NO_PART {
-            write!(out, ", part {part}")?;
+            out.push_field("part", part as usize);
         }
         if section != 0 {
-            write!(out, ", section {section}")?;
+            out.push_field("section", section as usize);
         }
         for (letter, name, value) in
-            [('i', "index", index), ('e', "expected", expected), ('f', "found", found)]
+            [(b'i', "index", index), (b'e', "expected", expected), (b'f', "found", found)]
         {
-            if fields.contains(letter) {
-                write!(out, ", {name} {value}")?;
+            if fields.bytes().any(|own| own == letter) {
+                out.push_field(name, value);
             }
         }
-        Ok(())
     }
 }
 

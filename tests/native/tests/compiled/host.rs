@@ -167,5 +167,5 @@ fn a_file_that_is_no_model_is_refused_in_words() {
     let done = Command::new(program).arg(package().join("README.md")).output().unwrap();
     let said = String::from_utf8(done.stderr).unwrap();
     assert_eq!(done.status.code(), Some(1));
-    assert!(said.starts_with("skin: not a model (status 100): "), "{said}");
+    assert!(said.starts_with("skin: file: not a model, "), "{said}");
 }
