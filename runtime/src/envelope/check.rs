@@ -3,9 +3,7 @@
 //! A step reads only data that earlier steps have checked. All steps together read each byte a bounded number of
 //! times, and allocate nothing.
 
-use super::counts::{
-    BIND_TOLERANCE, EnvelopeCounts, HelperKind, NO_JOINT, RULES, TWIST_MAX, place,
-};
+use super::counts::{BIND_TOLERANCE, EnvelopeCounts, NO_JOINT, RULES, TWIST_MAX, place};
 use super::group::{GroupKernel, GroupRow};
 use super::view::{Envelope, joint_index};
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
@@ -31,7 +29,6 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
         if cfg!(feature = "curves") && corrects { loading.limits.curves.min(indexed) } else { 0 };
     // Curves alone may drive the helpers.
     let alone = cfg!(feature = "curves") && corrects;
-    let kinds = if cfg!(feature = "trs") && corrects { HelperKind::Rigid as u32 } else { 0 };
     let joints = u32::from(!alone || counts.curve_len == 0);
     let proxies = u32::from(!alone || counts.joint_len == 0);
     let ranges = [
@@ -40,7 +37,6 @@ pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<As
         (place::PROXIES, proxies, loading.limits.proxies.min(indexed)),
         (place::GROUPS, 0, groups),
         (place::STRETCHES, 0, u32::from(cfg!(feature = "stretch") && counts.joint_len > 0)),
-        (place::HELPER_KIND, 0, kinds),
     ];
     check_counts(loading, section, words, &ranges)?;
     Ok(counts.asked())

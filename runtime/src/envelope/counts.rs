@@ -41,20 +41,10 @@ named! {
 }
 
 impl Predictor {
-    /// Returns the predictor's number in the file.
+    /// Returns the predictor's number in the file, if its helpers are affine.
     #[cfg_attr(feature = "internals", visibility::make(pub))]
     pub(crate) const fn number(self) -> u8 {
         self as u8
-    }
-
-    /// Returns the predictor with a number; `None` if there is none.
-    #[cfg_attr(feature = "internals", visibility::make(pub))]
-    pub(crate) const fn from_number(number: u32) -> Option<Self> {
-        match number {
-            1 => Some(Self::Rotational),
-            2 => Some(Self::Kernel),
-            _ => None,
-        }
     }
 
     /// Whether the base of the proxies is the reconstruction `c1 d + c2 q`.
@@ -90,19 +80,10 @@ named! {
 }
 
 impl HelperKind {
-    /// Returns the kind's number in the file.
-    pub const fn number(self) -> u8 {
+    /// Returns the kind's number in [`HelperKind::ALL`].
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(crate) const fn number(self) -> u8 {
         self as u8
-    }
-
-    /// Returns the kind with a number; `None` if there is none.
-    pub const fn from_number(number: u32) -> Option<Self> {
-        match number {
-            0 => Some(Self::Affine),
-            1 => Some(Self::Trs),
-            2 => Some(Self::Rigid),
-            _ => None,
-        }
     }
 }
 
@@ -196,9 +177,21 @@ pub struct EnvelopeCounts {
     pub helper_kind: HelperKind,
 }
 
+/// Returns the predictor with a number in the file, and the kind of its helpers; `None` if there is none, or if this build
+/// does not evaluate the kind.
+const fn predictor(number: u32) -> Option<(Predictor, HelperKind)> {
+    match number {
+        1 => Some((Predictor::Rotational, HelperKind::Affine)),
+        2 => Some((Predictor::Kernel, HelperKind::Affine)),
+        3 if cfg!(feature = "trs") => Some((Predictor::Kernel, HelperKind::Trs)),
+        4 if cfg!(feature = "trs") => Some((Predictor::Kernel, HelperKind::Rigid)),
+        _ => None,
+    }
+}
+
 impl EnvelopeCounts {
     /// Bytes of section `envelope_counts`.
-    pub const BYTES: usize = 36;
+    pub const BYTES: usize = 32;
 
     /// Returns the number of transforms in the palette: P, or J + P for the kernel predictor.
     pub const fn palette_len(&self) -> usize {
@@ -219,26 +212,17 @@ impl EnvelopeCounts {
     }
 
     /// Lists the counts in the order of the file.
-    pub const fn words(&self) -> [u32; 9] {
-        let Self { predictor, joint_len, proxy_len, root, group_len, correction_len, .. } = *self;
+    pub const fn words(&self) -> [u32; 8] {
+        let Self { joint_len, proxy_len, root, group_len, correction_len, .. } = *self;
         let (stretches, curve_len) = (self.stretches as u32, self.curve_len);
-        let (predictor, kind) = (predictor as u32, self.helper_kind as u32);
-        [
-            predictor,
-            joint_len,
-            proxy_len,
-            root,
-            group_len,
-            correction_len,
-            stretches,
-            curve_len,
-            kind,
-        ]
+        // A kernel envelope's number is 2, 3 or 4, by the kind of its helpers.
+        let predictor = self.predictor as u32 + self.helper_kind as u32;
+        [predictor, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len]
     }
 
     /// Makes counts from words in the order of the file; `None` if the predictor is unknown.
-    pub const fn from_words(words: [u32; 9]) -> Option<Self> {
-        match Predictor::from_number(words[place::PREDICTOR]) {
+    pub const fn from_words(words: [u32; 8]) -> Option<Self> {
+        match predictor(words[place::PREDICTOR]) {
             Some(predictor) => Some(Self::of(predictor, words)),
             None => None,
         }
@@ -247,19 +231,15 @@ impl EnvelopeCounts {
     /// Makes counts from checked words.
     pub(crate) const fn read(words: &[u32; COUNTS]) -> Self {
         let words = first_counts(words);
-        match Predictor::from_number(words[place::PREDICTOR]) {
+        match predictor(words[place::PREDICTOR]) {
             Some(predictor) => Self::of(predictor, words),
-            None => Self::of(Predictor::Rotational, words),
+            None => Self::of((Predictor::Rotational, HelperKind::Affine), words),
         }
     }
 
-    const fn of(predictor: Predictor, words: [u32; 9]) -> Self {
-        let [_, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len, kind] =
+    const fn of((predictor, helper_kind): (Predictor, HelperKind), words: [u32; 8]) -> Self {
+        let [_, joint_len, proxy_len, root, group_len, correction_len, stretches, curve_len] =
             words;
-        let helper_kind = match HelperKind::from_number(kind) {
-            Some(helper_kind) if cfg!(feature = "trs") => helper_kind,
-            _ => HelperKind::Affine,
-        };
         Self {
             predictor,
             joint_len,
@@ -311,7 +291,6 @@ pub(crate) mod place {
     pub(crate) const CORRECTION: usize = 5;
     pub(crate) const STRETCHES: usize = 6;
     pub(crate) const CURVES: usize = 7;
-    pub(crate) const HELPER_KIND: usize = 8;
 }
 
 /// Flag of an envelope with keys, c1 and c2.

@@ -9,7 +9,13 @@ use crate::linear::Le;
 use core::num::NonZeroU16;
 
 /// Largest number of counts of any kind of part.
-pub(crate) const COUNTS: usize = if cfg!(feature = "views") { 11 } else { 9 };
+pub(crate) const COUNTS: usize = if cfg!(feature = "views") {
+    11
+} else if cfg!(feature = "shapes") {
+    9
+} else {
+    8
+};
 /// Largest number of sizes in the rules of any kind of part.
 const SIZES: usize =
     match (cfg!(feature = "views"), cfg!(feature = "shapes"), cfg!(feature = "kernel")) {

@@ -71,9 +71,10 @@ impl<'o, 'a> Outputs<'o, 'a> {
                 output.check(vertex_len, len, argument)?;
             }
         }
-        for [(first, first_len, _), (second, len, argument)] in
-            [[positions, normals], [positions, tangents], [normals, tangents]]
-        {
+        // Without the feature, a job has no second output.
+        let pairs = [[positions, normals], [positions, tangents], [normals, tangents]];
+        let pairs = if cfg!(feature = "normals") { &pairs[..] } else { &[] };
+        for [(first, first_len, _), (second, len, argument)] in pairs {
             if let (Some(first), Some(second)) = (first, second)
                 && first.overlaps(*first_len, second, *len, vertex_len)
             {

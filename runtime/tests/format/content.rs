@@ -70,13 +70,12 @@ fn the_spread_and_the_kind_of_helpers_are_checked() {
     }
     let kind = |predictor, kind| {
         let mut pieces = Pieces::small(predictor);
-        pieces.set_word(SectionKind::EnvelopeCounts, 8, kind);
+        pieces.set_word(SectionKind::EnvelopeCounts, 0, kind);
         Model::from_bytes(pieces.bytes()).map(|_| ()).map_err(|error| (error.section, error.index))
     };
-    let refused = Err((Some(SectionKind::EnvelopeCounts), 8));
-    assert_eq!([0, 1, 2].map(|number| kind(Predictor::Kernel, number)), [Ok(()); 3]);
-    assert_eq!(kind(Predictor::Kernel, 3), refused);
-    assert_eq!(kind(Predictor::Rotational, 1), refused);
+    let refused = Err((Some(SectionKind::EnvelopeCounts), 0));
+    assert_eq!([2, 3, 4].map(|number| kind(Predictor::Kernel, number)), [Ok(()); 3]);
+    assert_eq!([0, 5].map(|number| kind(Predictor::Kernel, number)), [refused; 2]);
 }
 
 /// Loads a sample whose joints stretch after `edit`.

@@ -93,7 +93,7 @@ fn accessors_give_what_was_written() {
     assert_eq!((model.parts().len(), model.sections().len()), (2, 21));
     assert_eq!((model.as_bytes(), model.space()), (bytes.as_slice(), Space::default()));
     let first = model.sections().next().unwrap();
-    assert_eq!(model.blob()[..36], *first.bytes);
+    assert_eq!(model.blob()[..32], *first.bytes);
     assert_eq!(model.into_bytes(), bytes);
 }
 

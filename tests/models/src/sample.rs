@@ -236,12 +236,12 @@ fn envelope(predictor: Predictor, shape: Shape, rng: &mut Rng) -> Vec<Written> {
     // Centres lie along x, as the joints do.
     let place = |l: usize| [0.5 + l as f32, 0.25, -0.125, 0.5, 0.125, -0.0625, 0.375, 0.0, 0.25];
     let places = (0..p).flat_map(place).collect::<Vec<_>>();
-    // Predictor, J, P, root, G, floats of scratch, whether joints stretch, C, the kind of helpers.
+    // Predictor with the kind of helpers, J, P, root, G, floats of scratch, whether joints stretch, C.
     let stretches = shape.stretches.into();
     let [number, j32, p32] = [predictor.number().into(), j as u32, p as u32];
     let kind = if predictor == Predictor::Kernel { shape.kind } else { HelperKind::Affine };
-    let kind = u32::from(kind.number());
-    let counts = [number, j32, p32, root as u32, 0, 0, stretches, c as u32, kind];
+    let number = number + u32::from(kind.number());
+    let counts = [number, j32, p32, root as u32, 0, 0, stretches, c as u32];
     // Diagonal; RMS errors of training, of cross-validation, of linear blend skinning, of rounding,
     // of the base, of another clip; largest error of bones.
     let certificate = [3.0, 0.01, 0.02, 0.04, 0.0, 0.03, 0.05, 0.06];
