@@ -5,7 +5,7 @@
 use core::hint::black_box;
 use firmware::say;
 use sinew_runtime::envelope::GroupKernel;
-use sinew_runtime::envelope::{Certificate, EnvelopeCounts, GroupRow, Predictor, ScratchLayout};
+use sinew_runtime::envelope::{Certificate, EnvelopeCounts, GroupRow, ScratchLayout, Trs};
 use sinew_runtime::filter::{FilterCounts, FilterFit, Samples};
 use sinew_runtime::format::{
     Axis, Element, FileId, PartKind, PartRow, SectionKind, SectionRow, checksum,
@@ -199,7 +199,7 @@ fn counts(kind: SectionKind) {
     }
     let counts = SkinCounts::from_words(black_box([0; 7]));
     black_box((counts.has(kind), counts.section_bytes(kind, index(), black_box(Element::I8))));
-    black_box((counts.words(), counts.envelope(), Predictor::from_number(black_box(1))));
+    black_box((counts.words(), counts.envelope()));
     black_box(NormalErrors::from_figures(black_box([0.0; 3])).figures());
     black_box(ShapeErrors::from_figures(black_box([0.0; 2])).figures());
     kernel_rows(kind);
@@ -249,6 +249,12 @@ fn evaluate(envelope: Envelope<'_>) -> Result<(), CallError> {
     model_space_pose(&envelope, local, pose)?;
     black_box(envelope.palette(pose, curves, some_mut(&mut own), palette)?);
     black_box(envelope.base_palette(pose, curves, some_mut(&mut own), palette)?);
+    let bones = some_mut::<Trs>(&mut []);
+    black_box(envelope.palette_trs(pose, curves, some_mut(&mut own), palette, bones)?);
+    if let (Some(entry), Some(centre)) = (palette.first(), envelope.helper_centre(index())) {
+        let bone = envelope.bone(index(), entry);
+        black_box(bone.map(|bone| bone.palette_entry(centre)));
+    }
     black_box(envelope.rotational_palette(pose, some_mut(&mut own), palette)?);
     envelope.palettes(pose, curves, some_mut(&mut own), palette, some_mut(&mut []))
 }
