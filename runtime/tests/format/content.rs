@@ -220,7 +220,7 @@ fn each_index_is_checked() {
         "a key must have a joint"
     );
     let section = SectionKind::EnvelopeCounts;
-    for found in [0, 4, 255, 257, u32::MAX] {
+    for found in [0, 5, 255, 257, u32::MAX] {
         let refused = FileError { found, ..envelope_error(Kind::Unsupported, section) };
         assert_eq!(edited(|b| b.set_word(section, 0, found)), Err(refused));
     }
