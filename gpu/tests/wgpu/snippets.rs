@@ -133,9 +133,14 @@ fn run(source: ShaderSource<'_>, vertices: &[f32], palette: &[Matrix3x4]) -> Vec
 fn vertices(skin: &Skin<'_>) -> Vec<f32> {
     let vertex = |v: usize| {
         let [x, y, z, _] = skin.rest_tangent(v).unwrap_or_default();
-        let (indices, weights): (Vec<_>, Vec<_>) =
+        let (mut indices, mut weights): (Vec<_>, Vec<_>) =
             skin.influences(v).map(|(index, weight)| (index as f32, weight)).unzip();
-        let coefficients = skin.tangent_coefficients(v).flatten();
+        // The last influence fills the unused slots, without weight.
+        indices.resize(4, *indices.last().unwrap());
+        weights.resize(4, 0.0);
+        let mut coefficients: Vec<_> = skin.tangent_coefficients(v).collect();
+        coefficients.resize(3, [0.0; 2]);
+        let coefficients = coefficients.into_iter().flatten();
         let position = skin.rest_position(v).unwrap();
         let all = position.into_iter().chain(skin.rest_normal(v).unwrap()).chain([x, y, z]);
         all.chain(indices).chain(weights).chain(coefficients).collect::<Vec<_>>()
@@ -176,8 +181,8 @@ fn apart(a: &[f32], b: &[f32]) -> f32 {
 
 #[test]
 fn normals_in_a_stock_shader_are_the_runtimes() {
-    for tangents in [true, false] {
-        let shape = Shape { vertices: 60, influences: 4, tangents, coefficients: true, ..SMALL };
+    for (influences, tangents) in [(4, true), (4, false), (3, true), (2, false)] {
+        let shape = Shape { vertices: 60, influences, tangents, coefficients: true, ..SMALL };
         let bytes = Pieces::sample(Predictor::Rotational, shape).bytes();
         let model = load(&bytes);
         let (envelope, skin) = parts(&model);

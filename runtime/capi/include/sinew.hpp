@@ -434,6 +434,16 @@ class Character {
         return failure;
     }
 
+    /// Splits the helpers of the palette into bones of translation, rotation and scale, for an
+    /// engine that skins by its own bones.
+    Failure bones(std::vector<sinew_bone> &out) const {
+        Failure failure;
+        out.resize(envelope_->info().proxy_len);
+        failure.status = sinew_envelope_bones(envelope_->get(), palette_.data(), palette_.size(),
+                                              out.data(), out.size(), &failure.error);
+        return failure;
+    }
+
     /// Returns the pose of the last call, for example for `Envelope::check_pose`.
     const std::vector<sinew_matrix> &pose() const { return pose_; }
     const std::vector<sinew_matrix> &palette() const { return palette_; }

@@ -5,12 +5,13 @@
 
 use super::counts::{BIND_TOLERANCE, EnvelopeCounts, NO_JOINT, RULES, TWIST_MAX, place};
 use super::group::{GroupKernel, GroupRow};
+use super::polar::is_hidden;
 use super::view::{Envelope, joint_index};
 use crate::format::content::{check_counts, check_floats, check_index, check_names, outside};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::{CORRECTION_MAX, FileErrorKind as Kind, SectionKind, saturated};
-use crate::linear::{Le, cross, dot, floats, padded, rows};
+use crate::linear::{IDENTITY, Le, floats, padded, rows, turn_back};
 
 /// Checks the counts of an envelope, and returns the flags and sizes for the rules of its sections.
 pub(crate) fn counts(words: &[u32; COUNTS], loading: &Loading<'_>) -> Checked<Asked> {
@@ -92,15 +93,14 @@ fn check_hierarchy(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
 
 /// Checks that the linear part of each inverse bind matrix is a rotation.
 fn check_inverse_binds(envelope: &Envelope<'_>, loading: &Loading<'_>) -> Checked {
-    let near = |found: f32, expected: f32| (found - expected).abs() <= BIND_TOLERANCE;
     for (joint, matrix) in envelope.bind_words().iter().enumerate() {
-        let [mut x, mut y, mut z] = rows(&floats(matrix)).map(|[x, y, z, _]: [f32; 4]| [x, y, z]);
-        let mut is_rotation = dot(cross(x, y), z) > 0.0;
-        for _ in 0..3 {
-            is_rotation &= near(dot(x, x), 1.0) && near(dot(x, y), 0.0);
-            (x, y, z) = (y, z, x);
-        }
-        if !is_rotation {
+        let matrix = rows(&floats(matrix));
+        let rows = matrix.map(|[x, y, z, _]: [f32; 4]| [x, y, z]);
+        let mut products = rows;
+        turn_back(&rows, &mut products);
+        let mut pairs = products.as_flattened().iter().zip(IDENTITY.as_flattened());
+        let is_orthogonal = pairs.all(|(found, one)| (found - one).abs() <= BIND_TOLERANCE);
+        if !is_orthogonal || is_hidden(&matrix) {
             return loading.invalid(SectionKind::InverseBinds, joint);
         }
     }

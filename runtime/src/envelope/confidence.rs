@@ -17,10 +17,13 @@ pub(crate) fn of_rotations(
     rotations: &[[f32; 3]],
     strains: &[[f32; STRAIN_LEN]],
 ) -> f32 {
+    if pose.iter().any(is_hidden) {
+        return 0.0;
+    }
     let angles = rotations.iter().map(|theta| sqrt(dot(*theta, *theta)));
     let ranges = floats(envelope.pose_ranges());
     let angles = angles.zip(ranges).map(|(angle, range)| within(angle, range, range));
-    angles.chain(of_strains(envelope, strains)).chain(shown(pose)).fold(1.0, lesser)
+    angles.chain(of_strains(envelope, strains)).fold(1.0, lesser)
 }
 
 /// Computes the confidence of each joint from its ranges alone, for an envelope with kernel maps.

@@ -34,10 +34,10 @@ pub(crate) fn polar(
 }
 
 /// Whether a joint is scaled to about 0, along one axis or more, or mirrored.
-#[inline]
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn is_hidden(map: &Matrix3x4) -> bool {
     let [x, y, z, _] = columns(map);
-    cfg!(feature = "stretch") && dot(x, cross(y, z)) < HIDDEN
+    dot(x, cross(y, z)) < HIDDEN
 }
 
 /// Returns the strain (LᵀL - I) / 2 of a linear part L: xx, xy, xz, yy, yz, zz.

@@ -123,10 +123,10 @@ fn the_golden_parts_are_reproduced() {
         [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
     let names = ["kernel-10.snw", "kernel-10-servo.snw"].into_iter().chain(TURNED_NAMES);
     let names = names.chain(SHAPED_NAMES).chain(VIEWED_NAMES).chain([FACE_NAME]);
-    let names = names.chain(["filter-10.snw"]);
+    let names = names.chain(["filter-10.snw", "several-10.snw"]);
     let all = kernels.into_iter().chain(Pieces::turned()).chain(Pieces::shaped());
     let all = all.chain(Pieces::viewed()).chain([Pieces::face()]);
-    let all = all.chain([Pieces::filter(&FilterContent::sensor())]);
+    let all = all.chain([Pieces::filter(&FilterContent::sensor()), Pieces::several()]);
     for (name, pieces) in names.zip(all) {
         let made = pieces.bytes();
         if std::env::var_os(WRITE).is_some() {

@@ -28,16 +28,19 @@ pub(crate) fn deep(seconds: Option<&str>) -> Result<(), String> {
     Ok(())
 }
 
-/// Fuzzes from the committed corpus and the goldens; new inputs stay in the build folder.
+/// Fuzzes from the goldens and, if the target has one, from the committed corpus. New inputs stay in
+/// the build folder.
 fn fuzz(target: &str, seconds: u32) -> Result<(), String> {
     let corpus = format!("{FOLDER}/corpus/{target}");
     let findings = format!("{FOLDER}/findings/{target}/");
     for folder in [&corpus, &findings] {
         std::fs::create_dir_all(folder).map_err(|error| format!("{folder}: {error}"))?;
     }
+    let committed = format!("tests/fuzz/corpus/{target}");
+    let committed = if Path::new(&committed).is_dir() { committed.as_str() } else { "" };
     let arguments = format!(
-        "fuzz run --fuzz-dir tests/fuzz --target-dir {FOLDER} {target} {corpus} \
-         tests/fuzz/corpus/{target} tests/golden -- -max_total_time={seconds} \
+        "fuzz run --fuzz-dir tests/fuzz --target-dir {FOLDER} {target} {corpus} tests/golden \
+         {committed} -- -max_total_time={seconds} \
          -timeout={HANG_SECONDS} -max_len=16384 -print_final_stats=1 -artifact_prefix={findings}"
     );
     run(&mut nightly(&arguments)).map_err(|error| {

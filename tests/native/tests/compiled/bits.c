@@ -20,6 +20,7 @@ typedef struct {
     float *curves;
     sinew_matrix *pose;
     sinew_matrix *palette;
+    sinew_bone *bones;
     float *scratch;
     float *vertices;
     size_t vertices_len;
@@ -115,6 +116,9 @@ static void frame(character *c, sinew_bounds *bounds, float *confidence) {
                                  c->scratch, info->scratch_len, c->palette, palette_len, confidence,
                                  &error),
           &error);
+    check(sinew_envelope_bones(c->envelope, c->palette, palette_len, c->bones, info->proxy_len,
+                               &error),
+          &error);
     check(sinew_skin_run(&job, &error), &error);
     check(sinew_skin_bounds(c->skin, c->palette, palette_len, 0.0f, bounds, &error), &error);
 }
@@ -173,6 +177,7 @@ int main(int argc, char **argv) {
     c.curves = allocate(c.info.curve_len, sizeof *c.curves);
     c.pose = allocate(c.info.joint_len, sizeof *c.pose);
     c.palette = allocate(c.info.palette_len, sizeof *c.palette);
+    c.bones = allocate(c.info.proxy_len, sizeof *c.bones);
     c.scratch = allocate(c.info.scratch_len, sizeof *c.scratch);
     c.vertices = allocate(c.vertices_len, sizeof *c.vertices);
 
@@ -182,6 +187,12 @@ int main(int argc, char **argv) {
         frame(&c, &bounds, &confidence);
         least = confidence < least ? confidence : least;
         bits = hash(bits, (const float *)c.palette, 12 * c.info.palette_len);
+        for (size_t helper = 0; helper < c.info.proxy_len; helper++) {
+            bits = hash(bits, c.bones[helper].translation, 3);
+            bits = hash(bits, c.bones[helper].scale, 3);
+            bits = hash(bits, c.bones[helper].centre, 3);
+            bits = hash(bits, c.bones[helper].rotation, 4);
+        }
         bits = hash(bits, &confidence, 1);
         bits = hash(bits, c.vertices, c.vertices_len);
         bits = hash(bits, bounds.min, 3);
@@ -198,6 +209,7 @@ int main(int argc, char **argv) {
 
     free(c.vertices);
     free(c.scratch);
+    free(c.bones);
     free(c.palette);
     free(c.pose);
     free(c.curves);

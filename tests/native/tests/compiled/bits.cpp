@@ -79,6 +79,7 @@ int main(int argc, char **argv) {
     const std::size_t stride = skin.info().has_tangents ? 10 : 6;
     std::vector<sinew_local_transform> rest;
     check(envelope.rest_locals(rest));
+    std::vector<sinew_bone> bones;
     std::vector<float> vertices(vertex_len * stride), curves(envelope.info().curve_len);
     sinew::Character character(envelope);
     sinew_skin_job job{};
@@ -95,6 +96,7 @@ int main(int argc, char **argv) {
     for (unsigned long i = 0; i < poses; i++) {
         const std::vector<sinew_local_transform> local = animate(rest, curves, i, state);
         check(character.pose(local, curves));
+        check(character.bones(bones));
         check(skin.run(job, character.palette()));
         check(skin.bounds(character.palette(), bounds));
         const float confidence = character.confidence();
@@ -103,6 +105,12 @@ int main(int argc, char **argv) {
             hash(bits, transform.rows[0], 4);
             hash(bits, transform.rows[1], 4);
             hash(bits, transform.rows[2], 4);
+        }
+        for (const sinew_bone &bone : bones) {
+            hash(bits, bone.translation, 3);
+            hash(bits, bone.scale, 3);
+            hash(bits, bone.centre, 3);
+            hash(bits, bone.rotation, 4);
         }
         hash(bits, &confidence, 1);
         hash(bits, vertices.data(), vertices.size());

@@ -7,6 +7,7 @@ mod parts;
 
 use models::Rng;
 use sinew_runtime::skin::Output;
+use sinew_runtime::envelope::Trs;
 use sinew_runtime::{Envelope, LocalTransform, Model, Skin, SkinJob, model_space_pose};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -82,6 +83,7 @@ fn printed(file: &[u8], poses: usize) -> String {
     let mut scratch = vec![0.0; envelope.scratch_len()];
     let mut curves = vec![0.0; envelope.curve_len()];
     let (mut pose, mut palette) = (vec![[[0.0; 4]; 3]; j], vec![[[0.0; 4]; 3]; p]);
+    let mut bones = vec![Trs::IDENTITY; envelope.proxy_len()];
     let mut vertices = vec![0.0; stride * v];
     let (mut random, mut bits, mut least) = (Rng(2007), 0xcbf2_9ce4_8422_2325, 1.0f32);
     let mut bounds = None;
@@ -94,7 +96,9 @@ fn printed(file: &[u8], poses: usize) -> String {
         let local: Vec<_> = envelope.rest_locals().map(turned).collect();
         curves.iter_mut().for_each(|curve| *curve = random.unit() * turn);
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        let confidence = envelope.palette(&pose, &curves, &mut scratch, &mut palette).unwrap();
+        let confidence = envelope
+            .palette_trs(&pose, &curves, &mut scratch, &mut palette, &mut bones)
+            .unwrap();
         let [positions, normals, tangents] = Output::interleaved(&mut vertices, stride, [0, 3, 6]);
         SkinJob::new(skin, &palette)
             .positions(positions)
@@ -105,6 +109,11 @@ fn printed(file: &[u8], poses: usize) -> String {
         let found = skin.bounds(&palette, 0.0).unwrap().unwrap();
         least = least.min(confidence);
         hash(&mut bits, palette.as_flattened().as_flattened());
+        for (helper, bone) in bones.iter().enumerate() {
+            let centre = envelope.helper_centre(helper).unwrap();
+            hash(&mut bits, &[bone.translation, bone.scale, centre].concat());
+            hash(&mut bits, &bone.rotation);
+        }
         hash(&mut bits, &[confidence]);
         hash(&mut bits, &vertices);
         hash(&mut bits, &[found.min, found.max].concat());
