@@ -30,8 +30,7 @@ int main(int argc, char **argv) {
     // Once for each character: position and normal of each vertex.
     sinew::Character character(envelope);
     std::vector<float> floats(6 * skin.info().vertex_len), curves(envelope.info().curve_len);
-    sinew_skin_job job{};
-    job.end = skin.info().vertex_len;
+    sinew_skin_job job = skin.job();
     job.positions = {floats.data(), floats.size(), 6};
     job.normals = {floats.data() + 3, floats.size() - 3, 6};
 

@@ -189,6 +189,14 @@ impl Argument {
         unsound.map_or(Ok(()), |at| Err(CallError::new(CallErrorKind::NonFinite, self).at(at)))
     }
 
+    /// Returns what a length counts.
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::Positions | Self::Normals | Self::Tangents => "floats",
+            _ => "elements",
+        }
+    }
+
     /// Returns the name of an element, and the name of an element that is a rotation.
     const fn elements(self) -> [&'static str; 2] {
         match self {
@@ -217,11 +225,18 @@ impl fmt::Display for CallError {
                 write!(f, "{name}: expected {expected} elements, found {found}")
             }
             CallErrorKind::TooShort => {
-                write!(f, "{name}: expected at least {expected} elements, found {found}")
+                let elements = argument.unit();
+                write!(f, "{name}: expected at least {expected} {elements}, found {found}")
             }
             CallErrorKind::NonFinite => write!(f, "{name}: {element} {index} is not finite"),
             CallErrorKind::ZeroRotation => {
                 write!(f, "{name}: the rotation of {rotation} {index} has no direction")
+            }
+            CallErrorKind::OutOfRange if argument == Argument::RestPositions => {
+                f.write_str("rest offset: expected a finite number of at least 0")
+            }
+            CallErrorKind::OutOfRange if argument == Argument::Vertices && index > found => {
+                write!(f, "{name}: the range {index}..{found} ends before its start")
             }
             CallErrorKind::OutOfRange => {
                 write!(f, "{name}: expected at most {expected}, found {found} at {index}")
@@ -239,7 +254,8 @@ impl fmt::Display for CallError {
             CallErrorKind::NoRoot => {
                 write!(
                     f,
-                    "{name}: joint {index}, the root, is not among them and can follow no other"
+                    "{name}: joint {index}, the root, is not among them and can follow no other: compare them with \
+                     Envelope::joint_name"
                 )
             }
             CallErrorKind::OtherName => write!(

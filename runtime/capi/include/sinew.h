@@ -889,7 +889,7 @@ typedef struct sinew_skin_job {
     size_t palette_len;
     /// First vertex: an index into the remap if there is one, otherwise into the skin.
     size_t start;
-    /// One more than the last vertex.
+    /// One more than the last vertex; for all, the length of the remap or V. A job from 0 to 0 writes nothing.
     size_t end;
     /// Null, or the skin vertex that each engine vertex copies. Vertices that were split along seams or
     /// reordered then need no second pass.
@@ -1101,7 +1101,7 @@ typedef struct sinew_views_info {
     float visibility;
 } sinew_views_info;
 
-/// A map of a drawn object: a kernel that `sinew_kernel_open` opens by name.
+/// A map of a drawn object: a kernel that `sinew_part_open` opens by name.
 typedef struct sinew_map_info {
     /// Name in UTF-8, in the file's bytes, without a terminating zero.
     const char *name;
@@ -1477,7 +1477,7 @@ sinew_status sinew_envelope_palettes(const struct sinew_envelope *envelope,
 
 /// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope, which has no
 /// curves; other envelopes give `NO_STAGE`. A program that calls only this function links no kernel maps:
-/// on a Cortex-M4F this saves 5 kB if optimised for size, 9 kB if for speed.
+/// on a Cortex-M4F this saves 6 kB if optimised for size, 9 kB if for speed.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
@@ -1549,7 +1549,7 @@ sinew_status sinew_envelope_bind_curves(const struct sinew_envelope *envelope,
 /// - `root`: null, or the matrix from that space to the space of the palette.
 /// - `out_pose`, `pose_len`: receives J matrices.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NO_ROOT`, `NON_FINITE`,
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NO_ROOT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
 sinew_status sinew_envelope_gather(const struct sinew_envelope *envelope,
                                    const uint32_t *map,

@@ -1,15 +1,18 @@
 /// C++17 wrapper of sinew.h: owns objects, and returns failures without exceptions. For all other
-/// functions of sinew.h, `get()` returns the handle.
+/// functions of sinew.h, `get()` returns the handle. A vector that receives a result is resized even
+/// if the call fails.
 #ifndef SINEW_HPP
 #define SINEW_HPP
 
 #include "sinew.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -157,11 +160,14 @@ class Envelope : public Part<sinew_envelope, sinew_envelope_info> {
     }
 
     /// Finds the file's joints after `rename` has changed each name. It takes and returns a
-    /// `std::string_view`, for example `[](auto name) { return name.substr(10); }` for the prefix
-    /// `mixamorig:`.
+    /// `std::string_view`. `[](auto name) { return name.substr(name.rfind(':') + 1); }` removes the
+    /// prefix of `mixamorig:Hips`.
     template <class Rename> Failure bind(Span<const sinew_name> names, Rename rename,
                                          std::vector<std::uint32_t> &out_map,
                                          sinew_bound_joints &out_bound) const {
+        using Renamed = std::invoke_result_t<Rename &, std::string_view>;
+        static_assert(std::is_same_v<Renamed, std::string_view>,
+                      "rename returns a std::string_view of memory that outlives the call");
         Failure failure;
         out_map.resize(info().joint_len);
         sinew_rename call = [](sinew_name name, void *user) -> sinew_name {
@@ -221,6 +227,13 @@ class Skin : public Part<sinew_skin, sinew_skin_info> {
     Failure open(const Model &&, std::string_view = {}, std::size_t = 0) = delete;
     Failure open(const Model &model, std::string_view name = {}, std::size_t index = 0) {
         return open_as(SINEW_PART_KIND_SKIN, sinew_skin_describe, model, name, index);
+    }
+
+    /// Makes the job of all vertices, without outputs.
+    sinew_skin_job job() const {
+        sinew_skin_job job{};
+        job.end = info().vertex_len;
+        return job;
     }
 
     /// Runs a job; this call fills in the skin and the palette.
@@ -383,37 +396,39 @@ class Character {
     explicit Character(const Envelope &&) = delete;
     explicit Character(const Envelope &envelope)
         : envelope_(&envelope), scratch_(envelope.info().scratch_len),
-          pose_(envelope.info().joint_len), palette_(envelope.info().palette_len) {}
+          pose_(envelope.info().joint_len, IDENTITY),
+          palette_(envelope.info().palette_len, IDENTITY) {}
 
     /// Computes the pose of local transforms, and its palette.
     Failure pose(Span<const sinew_local_transform> local, Span<const float> curves = {}) {
         Failure failure;
         failure.status = sinew_envelope_pose(envelope_->get(), local.data, local.len, pose_.data(),
                                              pose_.size(), &failure.error);
-        return failure ? failure : palette_of(sinew_envelope_palette, curves);
+        return failure ? failure : palette_of(sinew_envelope_palette, pose_, curves);
     }
 
     /// Computes the palette of skinning matrices: rest to posed, in model space.
     Failure pose_matrices(Span<const sinew_matrix> pose, Span<const float> curves = {}) {
-        pose_.assign(pose.data, pose.data + pose.len);
-        return palette_of(sinew_envelope_palette, curves);
+        return palette_of(sinew_envelope_palette, kept(pose), curves);
     }
 
     /// Computes the base of the palette, for a character that is far away.
     Failure pose_far(Span<const sinew_matrix> pose, Span<const float> curves = {}) {
-        pose_.assign(pose.data, pose.data + pose.len);
-        return palette_of(sinew_envelope_base_palette, curves);
+        return palette_of(sinew_envelope_base_palette, kept(pose), curves);
     }
 
     /// Computes the palette of a pose whose joints share one scale, for example that of a scaled
     /// actor. `pose()` then returns the pose without the scale.
     Failure pose_scaled(Span<const sinew_matrix> pose, Span<const float> curves = {}) {
         Failure failure;
-        float scale;
-        pose_.assign(pose.data, pose.data + pose.len);
-        failure.status = sinew_pose_take_scale(pose_.data(), pose_.size(), &scale, &failure.error);
+        float scale = 1.0f;
+        const Span<const sinew_matrix> own = kept(pose);
+        if (own.data == pose_.data()) {
+            failure.status =
+                sinew_pose_take_scale(pose_.data(), pose_.size(), &scale, &failure.error);
+        }
         if (!failure) {
-            failure = palette_of(sinew_envelope_palette, curves);
+            failure = palette_of(sinew_envelope_palette, own, curves);
         }
         if (!failure) {
             failure.status =
@@ -444,16 +459,29 @@ class Character {
         return failure;
     }
 
-    /// Returns the pose of the last call, for example for `Envelope::check_pose`.
+    /// Returns the pose of the last call, for example for `Envelope::check_pose`. Pose and palette
+    /// are identities before the first call.
     const std::vector<sinew_matrix> &pose() const { return pose_; }
     const std::vector<sinew_matrix> &palette() const { return palette_; }
     float confidence() const { return confidence_; }
 
   private:
-    Failure palette_of(decltype(sinew_envelope_palette) compute, Span<const float> curves) {
+    static constexpr sinew_matrix IDENTITY{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+
+    /// Keeps a pose. Returns it unkept if it has another length, for the call to refuse.
+    Span<const sinew_matrix> kept(Span<const sinew_matrix> pose) {
+        if (pose.len != pose_.size()) {
+            return pose;
+        }
+        std::copy_n(pose.data, pose.len, pose_.data());
+        return pose_;
+    }
+
+    Failure palette_of(decltype(sinew_envelope_palette) compute, Span<const sinew_matrix> pose,
+                       Span<const float> curves) {
         Failure failure;
-        failure.status = compute(envelope_->get(), pose_.data(), pose_.size(), curves.data,
-                                 curves.len, scratch_.data(), scratch_.size(), palette_.data(),
+        failure.status = compute(envelope_->get(), pose.data, pose.len, curves.data, curves.len,
+                                 scratch_.data(), scratch_.size(), palette_.data(),
                                  palette_.size(), &confidence_, &failure.error);
         return failure;
     }

@@ -37,7 +37,7 @@ pub struct sinew_skin_job {
     pub palette_len: usize,
     /// First vertex: an index into the remap if there is one, otherwise into the skin.
     pub start: usize,
-    /// One more than the last vertex.
+    /// One more than the last vertex; for all, the length of the remap or V. A job from 0 to 0 writes nothing.
     pub end: usize,
     /// Null, or the skin vertex that each engine vertex copies. Vertices that were split along seams or
     /// reordered then need no second pass.

@@ -247,7 +247,7 @@ pub unsafe extern "C" fn sinew_envelope_palettes(
 
 /// Computes the palette as `sinew_envelope_palette` does, but only of a rotational envelope, which has no
 /// curves; other envelopes give `NO_STAGE`. A program that calls only this function links no kernel maps:
-/// on a Cortex-M4F this saves 5 kB if optimised for size, 9 kB if for speed.
+/// on a Cortex-M4F this saves 6 kB if optimised for size, 9 kB if for speed.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_STAGE`, `LENGTH`, `TOO_SHORT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.

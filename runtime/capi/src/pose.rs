@@ -226,7 +226,7 @@ pub unsafe extern "C" fn sinew_envelope_bind_curves(
 /// - `root`: null, or the matrix from that space to the space of the palette.
 /// - `out_pose`, `pose_len`: receives J matrices.
 ///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `OUT_OF_RANGE`, `NO_ROOT`, `NON_FINITE`,
+/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `LENGTH`, `TOO_SHORT`, `NO_ROOT`, `NON_FINITE`,
 /// `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn sinew_envelope_gather(

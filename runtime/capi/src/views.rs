@@ -64,7 +64,7 @@ pub struct sinew_views_info {
     pub visibility: f32,
 }
 
-/// A map of a drawn object: a kernel that `sinew_kernel_open` opens by name.
+/// A map of a drawn object: a kernel that `sinew_part_open` opens by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct sinew_map_info {

@@ -159,8 +159,8 @@ impl Envelope<'_> {
 
     /// Computes the palette of a rotational envelope, with the bits of [`Envelope::palette`].
     ///
-    /// A program that calls only this function links no kernel maps. On a Cortex-M4F that saves 7 kB at opt-level s,
-    /// and 11 kB at opt-level 3.
+    /// A program that calls only this function links no kernel maps. On a Cortex-M4F that saves 6 kB at opt-level s,
+    /// and 9 kB at opt-level 3.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoStage`]: the envelope is not rotational.

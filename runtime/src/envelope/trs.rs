@@ -100,7 +100,7 @@ impl Envelope<'_> {
     /// identity rotation.
     ///
     /// - `pose`, `curves`, `scratch`, `out_palette`: as for [`Envelope::palette`].
-    /// - `out_bones`: P transforms, in model space.
+    /// - `out_bones`: [`Envelope::proxy_len`] transforms, in model space.
     ///
     /// # Errors
     /// - The errors of [`Envelope::palette`].

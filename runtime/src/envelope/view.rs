@@ -71,9 +71,9 @@ impl<'a> Envelope<'a> {
         self.0.layout.counts[place::JOINTS] as usize
     }
 
-    /// Returns P, the number of proxies; for the kernel predictor, the number of helpers.
-    #[cfg_attr(feature = "internals", visibility::make(pub))]
-    pub(crate) const fn proxy_len(&self) -> usize {
+    /// Returns P, the number of helpers, or of proxies of a rotational envelope. They are the last P transforms of the
+    /// palette.
+    pub const fn proxy_len(&self) -> usize {
         self.0.layout.counts[place::PROXIES] as usize
     }
 

@@ -152,10 +152,24 @@ fn counted(section: Option<SectionKind>, index: u32) -> &'static str {
 
 impl core::error::Error for FileError {}
 
-/// Returns the kind of part with a number, if this build does not evaluate it.
-fn unevaluated(number: u32) -> Option<PartKind> {
-    let kind = PartKind::from_number(u16::try_from(number).ok()?)?;
-    (!EVALUATED.contains(&kind)).then_some(kind)
+/// Returns the feature of a kind of part or section with this number, if this build lacks the feature.
+fn lacked(number: u32) -> Option<&'static str> {
+    let number = u16::try_from(number).ok()?;
+    if let Some(kind) = PartKind::from_number(number) {
+        return (!EVALUATED.contains(&kind)).then(|| kind.name());
+    }
+    match SectionKind::from_number(number)? {
+        SectionKind::StretchRanges | SectionKind::KeyStretches if !cfg!(feature = "stretch") => {
+            Some("stretch")
+        }
+        SectionKind::CurveRanges if !cfg!(feature = "curves") => Some("curves"),
+        _ => None,
+    }
+}
+
+/// Whether a count is the number of a predictor whose helpers are bones, in a build without them.
+fn is_bones(index: u32, found: u32) -> bool {
+    !cfg!(feature = "trs") && index == 0 && matches!(found, 3 | 4)
 }
 
 impl fmt::Display for FileError {
@@ -203,11 +217,13 @@ impl fmt::Display for FileError {
                 write!(f, "{}: at most {expected} allowed, found {found}", counted(section, index))
             }
             FileErrorKind::Unsupported => match section {
+                Some(SectionKind::EnvelopeCounts) if is_bones(index, found) => {
+                    f.write_str("needs the feature `trs`, which this build lacks")
+                }
                 Some(_) => write!(f, "element {index} of {name}: unknown number {found}"),
-                None if part.is_some() => match unevaluated(found) {
-                    Some(kind) => {
-                        let name = kind.name();
-                        write!(f, "a {name}, and this build lacks the feature `{name}`")
+                None if part.is_some() => match lacked(found) {
+                    Some(name) => {
+                        write!(f, "needs the feature `{name}`, which this build lacks")
                     }
                     None => write!(f, "unknown required kind, type or flags: {found}"),
                 },

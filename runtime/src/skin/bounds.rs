@@ -98,7 +98,7 @@ impl<'a> Skin<'a> {
     /// skinned vertex is a weighted mean of its transformed positions. Without an envelope the box surrounds the rest
     /// positions.
     ///
-    /// - `palette`: [`Skin::palette_len`] transforms.
+    /// - `palette`: [`Skin::palette_len`] transforms. If a number in them is not finite, the box has no meaning.
     /// - `rest_offset`: largest offset, along any axis, of the caller's rest mesh ([`super::SkinJob::rest_positions`]) from the
     ///   file's rest mesh; 0 for the file's rest mesh.
     ///

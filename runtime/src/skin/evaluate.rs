@@ -40,7 +40,7 @@ impl Skin<'_> {
 }
 
 impl SkinJob<'_> {
-    /// Runs the job.
+    /// Runs the job. The palette's numbers are not checked: a transform that is not finite gives vertices that are not.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoOutput`]: the job has no output.
@@ -51,6 +51,7 @@ impl SkinJob<'_> {
     ///   tangents.
     /// - [`crate::CallErrorKind::Stride`]: a stride is shorter than its attribute.
     /// - [`crate::CallErrorKind::TooShort`]: an output is too short for its attribute.
+    /// - [`crate::CallErrorKind::Overlap`]: two outputs share a float.
     pub fn run(&self) -> Result<(), CallError> {
         self.check()?;
         let Self { skin, palette, remap, .. } = *self;

@@ -336,6 +336,9 @@ fn a_refused_skin_job_writes_nothing() {
             Some(CallError { index: start, expected: v, found: end, ..error })
         );
     }
+    let backwards =
+        CallError { index: 5, found: 3, ..call_error(Kind::OutOfRange, Argument::Vertices) };
+    assert_eq!(backwards.to_string(), "vertices: the range 5..3 ends before its start");
     let stride = |argument, expected, found| {
         Some(CallError { expected, found, ..call_error(Kind::Stride, argument) })
     };
@@ -460,9 +463,12 @@ fn refused_bounds_say_why() {
         for offset in [-1e-9, f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             assert_eq!(skin.bounds(&palette, offset), Err(error), "{offset}");
         }
+        assert_eq!(error.to_string(), "rest offset: expected a finite number of at least 0");
         let mut short = vec![[-7.0; 3]; 6];
         let error = skin.skin_positions(&palette, &mut short);
         assert_eq!(error, Err(short_error(Argument::Positions, 21, 18)));
+        let said = error.unwrap_err().to_string();
+        assert_eq!(said, "positions: expected at least 21 floats, found 18");
         let error = skin.skin_positions(&palette[1..], &mut short);
         assert_eq!(error, Err(length_error(Argument::Palette, 3, 2)));
         assert_eq!(short, vec![[-7.0; 3]; 6]);

@@ -65,7 +65,7 @@ pub fn output(command: &mut Command) -> String {
 pub fn cargo(folder: &Path, target: &Path, arguments: &[&str]) -> String {
     copy(&["Cargo.lock"], folder);
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.current_dir(folder).args(arguments).arg("--offline");
+    cargo.current_dir(folder).arg("--offline").args(arguments);
     cargo.env("CARGO_TARGET_DIR", target);
     output(&mut cargo)
 }

@@ -13,7 +13,8 @@ use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_spac
 /// The file, read in place and never copied. Yours: `sinew train EXAMPLES --predictor rotational`.
 static MODEL: &[u8] = include_bytes!("../../../../tests/golden/envelope-10-rotational.snw");
 
-/// Room for joints, transforms, floats of scratch, and vertices. `sinew inspect MODEL` prints a model's.
+/// Room for joints, transforms, floats of scratch, and vertices. `sinew inspect MODEL` prints a model's, the scratch
+/// in bytes.
 const JOINTS: usize = 20;
 const TRANSFORMS: usize = 20;
 const SCRATCH: usize = 480;
@@ -39,7 +40,7 @@ fn main() -> ! {
     };
     let done = run(CHARACTER);
     if done.is_none() {
-        hprintln!("the model does not fit, or is damaged");
+        hprintln!("the model is damaged, too large, not rotational, or needs a feature");
     }
     debug::exit(if done.is_some() { debug::EXIT_SUCCESS } else { debug::EXIT_FAILURE });
     loop {

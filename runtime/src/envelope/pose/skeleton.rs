@@ -131,7 +131,7 @@ impl Envelope<'_> {
 ///
 /// # Errors
 /// - [`CallErrorKind::Length`]: `map` or `out_pose` does not hold J elements.
-/// - [`CallErrorKind::OutOfRange`]: an index of `map` is not inside `world`.
+/// - [`CallErrorKind::TooShort`]: `world` lacks a frame that `map` names; `index` is the joint.
 /// - [`CallErrorKind::NoRoot`]: the root is folded.
 /// - [`CallErrorKind::NonFinite`]: `root` or a gathered frame is not finite. `index` is the frame's index in `world`.
 pub fn gather_pose(
@@ -204,9 +204,8 @@ fn check_frame(
         return Err(CallError::new(CallErrorKind::NoRoot, Argument::Joints).at(joint));
     }
     let Some(frame) = world.get(index as usize) else {
-        let most = world.len().saturating_sub(1);
-        let error = CallError::new(CallErrorKind::OutOfRange, Argument::Joints);
-        return Err(error.at(joint).values(most, index as usize));
+        let error = CallError::new(CallErrorKind::TooShort, Argument::World);
+        return Err(error.at(joint).values((index as usize).saturating_add(1), world.len()));
     };
     if is_finite(frame) {
         return Ok(());

@@ -75,6 +75,7 @@ impl<'a> ShapesJob<'a> {
     /// - [`CallErrorKind::NoAttribute`]: the job has an output of tangents, but the skin has no tangents.
     /// - [`CallErrorKind::Stride`]: a stride is shorter than its attribute.
     /// - [`CallErrorKind::TooShort`]: an output is too short for its attribute.
+    /// - [`CallErrorKind::Overlap`]: two outputs share a float.
     pub fn run(&self) -> Result<(), CallError> {
         self.check()?;
         let Range { start, end } = self.vertices;

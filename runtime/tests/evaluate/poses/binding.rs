@@ -167,8 +167,8 @@ fn invalid_bindings_and_gathers_are_refused() {
         folded[root] = FOLDED;
         assert_eq!(gather(&folded, &world, None), no_root(Argument::Joints));
         let found = gather(&sound, &world[1..], None);
-        assert_eq!((found.kind, found.argument), (CallErrorKind::OutOfRange, Argument::Joints));
-        assert_eq!((found.index, found.found), (len - 1, len - 1));
+        assert_eq!((found.kind, found.argument), (CallErrorKind::TooShort, Argument::World));
+        assert_eq!((found.index, found.expected, found.found), (len - 1, len, len - 1));
         let unknown = [[f32::NAN; 4]; 3];
         let found = gather(&sound, &[&world[1..], &[unknown]].concat(), None);
         assert_eq!((found.kind, found.argument), (CallErrorKind::NonFinite, Argument::World));

@@ -82,8 +82,7 @@ int main(int argc, char **argv) {
     std::vector<sinew_bone> bones;
     std::vector<float> vertices(vertex_len * stride), curves(envelope.info().curve_len);
     sinew::Character character(envelope);
-    sinew_skin_job job{};
-    job.end = vertex_len;
+    sinew_skin_job job = skin.job();
     job.positions = {vertices.data(), vertices.size(), stride};
     job.normals = {vertices.data() + 3, vertices.size() - 3, stride};
     if (skin.info().has_tangents) {

@@ -202,8 +202,20 @@ int main(int, char **argv) {
 
     std::vector<sinew_matrix> pose = rest(copied.info().joint_len);
     sinew::Character character(copied);
+    std::vector<sinew_bone> bones;
+    EXPECT(!character.bones(bones) && bones.size() == copied.info().proxy_len);
+    EXPECT(bones[0].scale[0] == 1.0f && bones[0].translation[0] == bones[0].centre[0]);
     EXPECT(!character.pose_matrices(pose));
     EXPECT(character.confidence() == 1.0f);
+
+    // A pose of another length is refused, and the next pose is a pose again.
+    std::vector<sinew_local_transform> local;
+    EXPECT(!copied.rest_locals(local));
+    const std::vector<sinew_matrix> short_pose(pose.begin() + 1, pose.end());
+    EXPECT(character.pose_matrices(short_pose).status == SINEW_STATUS_LENGTH);
+    EXPECT(character.pose_far(short_pose).status == SINEW_STATUS_LENGTH);
+    EXPECT(character.pose_scaled(short_pose).status == SINEW_STATUS_LENGTH);
+    EXPECT(!character.pose(local));
     pose.back().rows[0][0] = NAN;
     const sinew::Failure not_finite = character.pose_matrices(pose);
     EXPECT(not_finite.status == SINEW_STATUS_NON_FINITE);
@@ -237,7 +249,7 @@ int main(int, char **argv) {
     sinew_bound_joints bound{};
     EXPECT(copied.bind(names, joints, bound).status == SINEW_STATUS_OTHER_NAME);
     EXPECT(!copied.bind(
-        names, [](auto own) { return own.substr(4); }, joints, bound));
+        names, [](auto own) { return own.substr(own.rfind(':') + 1); }, joints, bound));
     EXPECT(bound.found_len == prefixed.size() && joints[0] == 0);
     sinew_curve curve;
     EXPECT(copied.curve(curve_len, curve).status == SINEW_STATUS_OUT_OF_RANGE);

@@ -29,7 +29,40 @@ fn main() {
 ";
 
 /// What that code prints. The engine has the default features.
-const PRINTED: &str = "5.000\npart 0: a kernel, and this build lacks the feature `kernel`\n";
+const PRINTED: &str = "5.000\npart 0: needs the feature `kernel`, which this build lacks\n";
+
+/// Prints the palettes and the confidence of poses with a turned, a hidden and a mirrored joint, or why a file is refused.
+const RESULTS: &str = "
+use sinew_runtime::{Envelope, Model, Skin};
+
+fn main() {
+    for path in std::env::args().skip(1) {
+        let model = match Model::from_bytes(std::fs::read(path).unwrap()) {
+            Ok(model) => model,
+            Err(error) => {
+                println!(\"{error}\");
+                continue;
+            }
+        };
+        let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
+        for (joint, map) in [0, 1, 2].into_iter().flat_map(|joint| {
+            let hidden = |by: f32| [[by, 0.0, 0.0], [0.0, by.abs(), 0.0], [0.0, 0.0, by.abs()]];
+            let turned = [[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]];
+            [turned, hidden(0.0), hidden(0.05), hidden(-1.0)].map(|map| (joint, map))
+        }) {
+            let rest = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+            let mut pose = vec![rest; envelope.joint_len()];
+            pose[joint] = map.map(|[x, y, z]| [x, y, z, 0.0]);
+            let mut scratch = vec![0.0; envelope.scratch_len()];
+            let mut palette = vec![[[0.0; 4]; 3]; envelope.palette_len()];
+            let mut positions = vec![[0.0; 3]; skin.vertex_len()];
+            let confidence = envelope.palette(&pose, &[], &mut scratch, &mut palette).unwrap();
+            skin.skin_positions(&palette, &mut positions).unwrap();
+            println!(\"{confidence} {palette:?} {positions:?}\");
+        }
+    }
+}
+";
 
 /// Makes an engine as a workspace, with a game that uses the runtime in another folder. The engine
 /// lies outside our workspace, at a place specific to this checkout.
@@ -69,6 +102,40 @@ fn the_runtime_alone_may_stand_where_the_workspace_leaves_it_out() {
     let engine = engine("engine-alone", workspace);
     copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
     assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), PRINTED);
+}
+
+#[test]
+fn no_feature_changes_a_result() {
+    let workspace = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
+    let engine = engine("engine-features", workspace);
+    copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
+    write(&engine.join("game/src/main.rs"), RESULTS);
+    let golden = |name: &str| models::golden_path(name).display().to_string();
+    let results = |features: &str, names: &[&str]| {
+        let game = "[package]\nname = \"game\"\nversion = \"0.1.0\"\nedition = \"2024\"\n
+[dependencies]\nsinew-runtime = { path = \"../sinew/runtime\"";
+        write(&engine.join("game/Cargo.toml"), &format!("{game}, {features} }}\n"));
+        let names: Vec<String> = names.iter().map(|name| golden(name)).collect();
+        let run = ["run", "-q", "-p", "game", "--"];
+        let run: Vec<&str> = run.into_iter().chain(names.iter().map(String::as_str)).collect();
+        cargo(&engine, Path::new(NESTED), &run)
+    };
+    let none = "default-features = false";
+    let all = "features = [\"filter\", \"prior\", \"raster\", \"record\"]";
+    let expected = results(all, &models::GOLDEN_NAMES);
+    assert_eq!(expected.lines().filter(|line| line.starts_with("0 ")).count(), 18, "hidden joints");
+    assert_eq!(results(none, &models::GOLDEN_NAMES), expected);
+    // What a build cannot evaluate is refused, with the feature.
+    let lacks =
+        |name: &str| format!("part 0: needs the feature `{name}`, which this build lacks\n");
+    let trs = models::GOLDEN_KIND_NAMES[0];
+    assert_eq!(results(none, &["kernel-10.snw"]), lacks("kernel"));
+    // The file has all three.
+    for (features, lacked) in
+        [("", "stretch"), ("\"stretch\"", "curves"), ("\"stretch\", \"curves\"", "trs")]
+    {
+        assert_eq!(results(&format!("{none}, features = [{features}]"), &[trs]), lacks(lacked));
+    }
 }
 
 /// Pages whose code a reader copies.
