@@ -189,7 +189,7 @@ impl Argument {
         unsound.map_or(Ok(()), |at| Err(CallError::new(CallErrorKind::NonFinite, self).at(at)))
     }
 
-    /// Returns what a length counts.
+    /// Returns the unit of a length.
     const fn unit(self) -> &'static str {
         match self {
             Self::Positions | Self::Normals | Self::Tangents => "floats",

@@ -125,7 +125,7 @@ fn no_feature_changes_a_result() {
     let expected = results(all, &models::GOLDEN_NAMES);
     assert_eq!(expected.lines().filter(|line| line.starts_with("0 ")).count(), 18, "hidden joints");
     assert_eq!(results(none, &models::GOLDEN_NAMES), expected);
-    // What a build cannot evaluate is refused, with the feature.
+    // A build refuses a file for which it lacks a feature, and names the feature.
     let lacks =
         |name: &str| format!("part 0: needs the feature `{name}`, which this build lacks\n");
     let trs = models::GOLDEN_KIND_NAMES[0];
