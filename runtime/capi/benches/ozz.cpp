@@ -70,8 +70,8 @@ int main(int argc, char **argv) {
     std::vector<float> theirs(3 * v), their_normals(3 * v), given(v * (k - 1));
     std::vector<std::uint16_t> indices(v * k);
     sinew_error error;
-    if (sinew_skin_rest_positions(skin.get(), 0, v, positions.data(), positions.size(), &error) ||
-        sinew_skin_rest_normals(skin.get(), 0, v, normals.data(), normals.size(), &error) ||
+    if (skin.attribute(SINEW_ATTRIBUTE_POSITION, positions) ||
+        skin.attribute(SINEW_ATTRIBUTE_NORMAL, normals) ||
         sinew_skin_influences(skin.get(), 0, v, indices.data(), indices.size(), weights.data(),
                               weights.size(), &error)) {
         return 1;

@@ -321,6 +321,10 @@ enum sinew_argument
     SINEW_ARGUMENT_KIND = 73,
     /// Index of a curve.
     SINEW_ARGUMENT_CURVE = 74,
+    /// Number of an attribute.
+    SINEW_ARGUMENT_ATTRIBUTE = 75,
+    /// Tangent coefficients; lengths are in floats.
+    SINEW_ARGUMENT_COEFFICIENTS = 76,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -397,6 +401,27 @@ typedef uint32_t sinew_predictor;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+/// Transforms that the helpers of an envelope may have.
+enum sinew_helper_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /// Any affine transform.
+    SINEW_HELPER_KIND_AFFINE = 0,
+    /// Translation, rotation and scale along the model's axes at rest, as bones of engines hold them.
+    SINEW_HELPER_KIND_TRS = 1,
+    /// Translation and rotation.
+    SINEW_HELPER_KIND_RIGID = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum sinew_helper_kind sinew_helper_kind;
+#else
+typedef uint32_t sinew_helper_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 /// Likely mistake in a pose that does not fit the skeleton.
 enum sinew_pose_fault_kind
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -468,6 +493,30 @@ enum sinew_part_kind
 typedef enum sinew_part_kind sinew_part_kind;
 #else
 typedef uint32_t sinew_part_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/// An attribute that `sinew_skin_attribute` copies, and its floats per vertex.
+enum sinew_attribute
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /// Rest position: 3 floats, in the model's unit.
+    SINEW_ATTRIBUTE_POSITION = 1,
+    /// Rest normal: 3 floats.
+    SINEW_ATTRIBUTE_NORMAL = 2,
+    /// Rest tangent: 4 floats. The last float is the handedness.
+    SINEW_ATTRIBUTE_TANGENT = 3,
+    /// Tangent coefficients, for shaders that compute normals: 2 (K - 1) floats. They are g and h of each
+    /// influence except the last, per unit of length. The last influence has minus the sums of the others.
+    SINEW_ATTRIBUTE_TANGENT_COEFFICIENTS = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum sinew_attribute sinew_attribute;
+#else
+typedef uint32_t sinew_attribute;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -632,6 +681,8 @@ typedef struct sinew_envelope_info {
     uint32_t skeleton_hash;
     /// 1 if a joint stretches, otherwise 0.
     uint32_t stretches;
+    /// Transforms that the helpers may have; affine for a rotational envelope.
+    sinew_helper_kind helper_kind;
     /// Measured errors of the fit.
     struct sinew_certificate certificate;
 } sinew_envelope_info;
@@ -818,6 +869,10 @@ typedef struct sinew_skin_info {
     /// 1 if the skin has tangent coefficients, which jobs use for normals and tangents. If 0, jobs use
     /// cofactors, which are wrong where neighbouring transforms differ.
     uint32_t has_coefficients;
+    /// Measured errors of the normals over the training poses: RMS of the angle in radians, weighted by the
+    /// area at rest. In this order: of the model, of its palette with cofactors, and of linear blend skinning
+    /// with cofactors. Negative if the file has none.
+    float normal_errors[3];
 } sinew_skin_info;
 
 /// A named range of vertices: one of the meshes that the skin was made from.
@@ -1723,44 +1778,20 @@ sinew_status sinew_skin_range(const struct sinew_skin *skin,
                               struct sinew_range *out_range,
                               struct sinew_error *out_error);
 
-/// Copies the rest positions of the vertices from `start` to before `end`: 3 floats each, packed.
+/// Copies an attribute of the vertices from `start` to before `end`, packed.
 ///
-/// - `out_positions`, `out_len`: room for `3 * (end - start)` floats.
-///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
-sinew_status sinew_skin_rest_positions(const struct sinew_skin *skin,
-                                       size_t start,
-                                       size_t end,
-                                       float *out_positions,
-                                       size_t out_len,
-                                       struct sinew_error *out_error);
-
-/// Copies the rest normals of the vertices from `start` to before `end`: 3 floats each, packed.
-///
-/// - `out_normals`, `out_len`: room for `3 * (end - start)` floats.
-///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
-/// `OVERLAP`.
-sinew_status sinew_skin_rest_normals(const struct sinew_skin *skin,
-                                     size_t start,
-                                     size_t end,
-                                     float *out_normals,
-                                     size_t out_len,
-                                     struct sinew_error *out_error);
-
-/// Copies the rest tangents of the vertices from `start` to before `end`: 4 floats each, packed. The last
-/// float is the handedness.
-///
-/// - `out_tangents`, `out_len`: room for `4 * (end - start)` floats.
+/// - `attribute`: a `sinew_attribute`, which states the floats per vertex.
+/// - `out`, `out_len`: room for the floats of `end - start` vertices.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_ATTRIBUTE`, `OUT_OF_RANGE`, `TOO_SHORT`,
 /// `TOO_LONG`, `OVERLAP`.
-sinew_status sinew_skin_rest_tangents(const struct sinew_skin *skin,
-                                      size_t start,
-                                      size_t end,
-                                      float *out_tangents,
-                                      size_t out_len,
-                                      struct sinew_error *out_error);
+sinew_status sinew_skin_attribute(const struct sinew_skin *skin,
+                                  uint32_t attribute,
+                                  size_t start,
+                                  size_t end,
+                                  float *out,
+                                  size_t out_len,
+                                  struct sinew_error *out_error);
 
 /// Copies the K influences of each vertex from `start` to before `end`. A skinning shader needs only these
 /// and the palette. Unused influences have weight 0; the weights of a vertex sum to 1.

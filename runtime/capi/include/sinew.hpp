@@ -236,6 +236,21 @@ class Skin : public Part<sinew_skin, sinew_skin_info> {
         return job;
     }
 
+    /// Copies an attribute of all vertices, packed.
+    Failure attribute(sinew_attribute attribute, std::vector<float> &out) const {
+        Failure failure;
+        std::size_t float_len = 3;
+        if (attribute == SINEW_ATTRIBUTE_TANGENT) {
+            float_len = 4;
+        } else if (attribute == SINEW_ATTRIBUTE_TANGENT_COEFFICIENTS) {
+            float_len = info().influence_len > 0 ? 2 * (info().influence_len - 1) : 0;
+        }
+        out.resize(float_len * info().vertex_len);
+        failure.status = sinew_skin_attribute(get(), attribute, 0, info().vertex_len, out.data(),
+                                              out.size(), &failure.error);
+        return failure;
+    }
+
     /// Runs a job; this call fills in the skin and the palette.
     Failure run(sinew_skin_job job, Span<const sinew_matrix> palette) const {
         Failure failure;

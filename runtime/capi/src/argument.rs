@@ -139,10 +139,14 @@ pub enum sinew_argument {
     Kind = 73,
     /// Index of a curve.
     Curve = 74,
+    /// Number of an attribute.
+    Attribute = 75,
+    /// Tangent coefficients; lengths are in floats.
+    Coefficients = 76,
 }
 
 /// Name of each argument.
-const NAMES: [(sinew_argument, &str); 66] = {
+const NAMES: [(sinew_argument, &str); 68] = {
     use sinew_argument as A;
     [
         (A::Call, "call"),
@@ -211,6 +215,8 @@ const NAMES: [(sinew_argument, &str); 66] = {
         (A::Filter, "filter"),
         (A::Kind, "kind"),
         (A::Curve, "curve"),
+        (A::Attribute, "attribute"),
+        (A::Coefficients, "tangent coefficients"),
     ]
 };
 

@@ -6,7 +6,7 @@ use crate::error::{sinew_error, sinew_status};
 use crate::part::{self, Opened};
 use core::ffi::c_char;
 use core::mem::{align_of, offset_of, size_of};
-use sinew_runtime::envelope::Predictor;
+use sinew_runtime::envelope::{HelperKind, Predictor};
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4};
 
 /// Sentinel for "no joint", for example the root's parent.
@@ -77,6 +77,18 @@ pub enum sinew_predictor {
     Kernel = 2,
 }
 
+/// Transforms that the helpers of an envelope may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum sinew_helper_kind {
+    /// Any affine transform.
+    Affine = 0,
+    /// Translation, rotation and scale along the model's axes at rest, as bones of engines hold them.
+    Trs = 1,
+    /// Translation and rotation.
+    Rigid = 2,
+}
+
 /// Measured errors of the fit, in the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
@@ -128,6 +140,8 @@ pub struct sinew_envelope_info {
     pub skeleton_hash: u32,
     /// 1 if a joint stretches, otherwise 0.
     pub stretches: u32,
+    /// Transforms that the helpers may have; affine for a rotational envelope.
+    pub helper_kind: sinew_helper_kind,
     /// Measured errors of the fit.
     pub certificate: sinew_certificate,
 }
@@ -237,6 +251,11 @@ fn info(envelope: &Envelope<'_>) -> sinew_envelope_info {
         root: envelope.root() as u32,
         skeleton_hash: envelope.skeleton_hash(),
         stretches: u32::from(envelope.stretches()),
+        helper_kind: match envelope.helper_kind() {
+            HelperKind::Affine => sinew_helper_kind::Affine,
+            HelperKind::Trs => sinew_helper_kind::Trs,
+            HelperKind::Rigid => sinew_helper_kind::Rigid,
+        },
         certificate: sinew_certificate {
             diagonal: certificate.diagonal,
             training_rms: certificate.training_rms,

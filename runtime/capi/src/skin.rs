@@ -17,7 +17,7 @@ pub struct sinew_skin(Loaded<Opened>);
 part::part! { sinew_skin: Skin, tag b"SnwS", argument Skin }
 
 /// Counts of a skin, and the lengths of all arrays that its calls take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct sinew_skin_info {
     /// Name in UTF-8, in the file's bytes, without a terminating zero.
@@ -43,6 +43,35 @@ pub struct sinew_skin_info {
     /// 1 if the skin has tangent coefficients, which jobs use for normals and tangents. If 0, jobs use
     /// cofactors, which are wrong where neighbouring transforms differ.
     pub has_coefficients: u32,
+    /// Measured errors of the normals over the training poses: RMS of the angle in radians, weighted by the
+    /// area at rest. In this order: of the model, of its palette with cofactors, and of linear blend skinning
+    /// with cofactors. Negative if the file has none.
+    pub normal_errors: [f32; 3],
+}
+
+/// An attribute that `sinew_skin_attribute` copies, and its floats per vertex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum sinew_attribute {
+    /// Rest position: 3 floats, in the model's unit.
+    Position = 1,
+    /// Rest normal: 3 floats.
+    Normal = 2,
+    /// Rest tangent: 4 floats. The last float is the handedness.
+    Tangent = 3,
+    /// Tangent coefficients, for shaders that compute normals: 2 (K - 1) floats. They are g and h of each
+    /// influence except the last, per unit of length. The last influence has minus the sums of the others.
+    TangentCoefficients = 4,
+}
+
+impl sinew_attribute {
+    /// Returns the attribute with a number, which may be any number of the caller.
+    fn from_number(number: u32) -> Result<Self, sinew_error> {
+        let known = [Self::Position, Self::Normal, Self::Tangent, Self::TangentCoefficients];
+        let unknown = sinew_error::new(sinew_status::OutOfRange, sinew_argument::Attribute)
+            .values(Self::TangentCoefficients as usize, number as usize);
+        known.into_iter().find(|known| *known as u32 == number).ok_or(unknown)
+    }
 }
 
 /// A named range of vertices: one of the meshes that the skin was made from.
@@ -81,6 +110,7 @@ pub unsafe extern "C" fn sinew_skin_describe(
             shape_len: skin.shape_len(),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
+            normal_errors: skin.normal_errors().map_or([-1.0; 3], |errors| errors.figures()),
         })
     };
     // SAFETY: the caller's promise is passed on.
@@ -107,69 +137,56 @@ pub unsafe extern "C" fn sinew_skin_range(
     unsafe { part::describe(skin, out_range, out_error, answer) }
 }
 
-/// Copies the rest positions of the vertices from `start` to before `end`: 3 floats each, packed.
+/// Copies an attribute of the vertices from `start` to before `end`, packed.
 ///
-/// - `out_positions`, `out_len`: room for `3 * (end - start)` floats.
-///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`, `OVERLAP`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_skin_rest_positions(
-    skin: *const sinew_skin,
-    start: usize,
-    end: usize,
-    out_positions: *mut f32,
-    out_len: usize,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let out = Array::new(out_positions, out_len, sinew_argument::Positions);
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, || copy(skin, start..end, out, Skin::rest_position)) }
-}
-
-/// Copies the rest normals of the vertices from `start` to before `end`: 3 floats each, packed.
-///
-/// - `out_normals`, `out_len`: room for `3 * (end - start)` floats.
-///
-/// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OUT_OF_RANGE`, `TOO_SHORT`, `TOO_LONG`,
-/// `OVERLAP`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_skin_rest_normals(
-    skin: *const sinew_skin,
-    start: usize,
-    end: usize,
-    out_normals: *mut f32,
-    out_len: usize,
-    out_error: *mut sinew_error,
-) -> sinew_status {
-    let out = Array::new(out_normals, out_len, sinew_argument::Normals);
-    // SAFETY: the caller's promise is passed on.
-    unsafe { border::call(out_error, || copy(skin, start..end, out, Skin::rest_normal)) }
-}
-
-/// Copies the rest tangents of the vertices from `start` to before `end`: 4 floats each, packed. The last
-/// float is the handedness.
-///
-/// - `out_tangents`, `out_len`: room for `4 * (end - start)` floats.
+/// - `attribute`: a `sinew_attribute`, which states the floats per vertex.
+/// - `out`, `out_len`: room for the floats of `end - start` vertices.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `NO_ATTRIBUTE`, `OUT_OF_RANGE`, `TOO_SHORT`,
 /// `TOO_LONG`, `OVERLAP`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn sinew_skin_rest_tangents(
+pub unsafe extern "C" fn sinew_skin_attribute(
     skin: *const sinew_skin,
+    attribute: u32,
     start: usize,
     end: usize,
-    out_tangents: *mut f32,
+    out: *mut f32,
     out_len: usize,
     out_error: *mut sinew_error,
 ) -> sinew_status {
+    use sinew_attribute as A;
     let body = || {
         // SAFETY: the caller's promise is passed on.
-        if !unsafe { part::view(skin) }?.0.has_tangents() {
-            return Err(sinew_error::new(sinew_status::NoAttribute, sinew_argument::Tangents));
+        let (skin, reads) = unsafe { part::view(skin) }?;
+        let attribute = A::from_number(attribute)?;
+        let (argument, is_there, float_len) = match attribute {
+            A::Position => (sinew_argument::Positions, true, 3),
+            A::Normal => (sinew_argument::Normals, true, 3),
+            A::Tangent => (sinew_argument::Tangents, skin.has_tangents(), 4),
+            A::TangentCoefficients => {
+                let pair_len = skin.influence_len().saturating_sub(1);
+                (sinew_argument::Coefficients, skin.has_coefficients(), 2 * pair_len)
+            }
+        };
+        if !is_there {
+            return Err(sinew_error::new(sinew_status::NoAttribute, argument));
         }
-        let out = Array::new(out_tangents, out_len, sinew_argument::Tangents);
-        // SAFETY: the caller's promise is passed on.
-        unsafe { copy(skin, start..end, out, Skin::rest_tangent) }
+        let out = Array::new(out, out_len, argument)?;
+        let vertices = start..end;
+        check_vertices(&skin, &vertices)?;
+        out.check_least(vertices.len().saturating_mul(float_len))?;
+        border::check_disjoint(&[out.span()], &reads)?;
+        // SAFETY: lent by the caller; the call reads no part of it.
+        let out = unsafe { out.write() };
+        match attribute {
+            A::Position => fill(out, vertices.filter_map(|vertex| skin.rest_position(vertex))),
+            A::Normal => fill(out, vertices.filter_map(|vertex| skin.rest_normal(vertex))),
+            A::Tangent => fill(out, vertices.filter_map(|vertex| skin.rest_tangent(vertex))),
+            A::TangentCoefficients => {
+                fill(out, vertices.flat_map(|vertex| skin.tangent_coefficients(vertex)));
+            }
+        }
+        Ok(())
     };
     // SAFETY: the caller's promise is passed on.
     unsafe { border::call(out_error, body) }
@@ -262,28 +279,11 @@ pub unsafe extern "C" fn sinew_mesh_hash(
     unsafe { border::call(out_error, body) }
 }
 
-/// Copies an attribute of N floats per vertex.
-///
-/// # Safety
-/// The handle is null or points to memory as large as a skin. The array may be written.
-unsafe fn copy<'a, const N: usize>(
-    skin: *const sinew_skin,
-    vertices: Range<usize>,
-    out: Result<Array<f32>, sinew_error>,
-    attribute: impl Fn(&Skin<'a>, usize) -> Option<[f32; N]>,
-) -> Result<(), sinew_error> {
-    // SAFETY: the caller's promise is passed on.
-    let (skin, reads) = unsafe { part::view(skin) }?;
-    let out = out?;
-    check_vertices(&skin, &vertices)?;
-    out.check_least(vertices.len().saturating_mul(N))?;
-    border::check_disjoint(&[out.span()], &reads)?;
-    // SAFETY: lent by the caller; the call reads no part of it.
-    let (out, _) = unsafe { out.write() }.as_chunks_mut::<N>();
-    for (out, vertex) in out.iter_mut().zip(vertices) {
-        *out = attribute(&skin, vertex).unwrap_or(*out);
+/// Copies rows of floats to the start of an array.
+fn fill<const N: usize>(out: &mut [f32], rows: impl Iterator<Item = [f32; N]>) {
+    for (out, float) in out.iter_mut().zip(rows.flatten()) {
+        *out = float;
     }
-    Ok(())
 }
 
 /// Checks that a range of vertices is in the mesh.

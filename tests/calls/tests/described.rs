@@ -1,11 +1,13 @@
 //! Descriptions of models, envelopes and skins.
 
 use crate::handles::{Loaded, NONE, done, get, name, unwritten};
-use crate::{Both, each};
-use models::{Pieces, head};
+use crate::{Both, each, with};
+use models::{GOLDEN, GOLDEN_KIND, Pieces, SMALL, Shape, TURNED, head};
 use sinew_capi::*;
+use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::{Axis, Handedness, Space};
 use sinew_runtime::{Envelope, LocalTransform, Model, Skin};
+use std::ops::Range;
 use std::ptr::null;
 
 #[test]
@@ -181,34 +183,97 @@ fn curves_are_those_of_the_file() {
     });
 }
 
+/// The files are the golden skins with tangent coefficients, and samples with and without each attribute.
 #[test]
-fn the_mesh_is_that_of_the_file() {
+fn attributes_have_the_bits_of_the_file() {
+    let any = [false, true];
+    let have =
+        any.into_iter().flat_map(|tangents| any.map(|coefficients| (tangents, coefficients)));
+    let shapes = [1, 3, 4].into_iter().flat_map(|influences| {
+        have.clone().map(move |(tangents, coefficients)| Shape {
+            influences,
+            tangents,
+            coefficients,
+            ..SMALL
+        })
+    });
+    let samples = shapes.map(|shape| Pieces::sample(Predictor::Kernel, shape).bytes());
+    for file in TURNED.map(<[u8]>::to_vec).into_iter().chain(samples) {
+        with(&file, |Both { c: (_, found), rust: (_, skin), .. }| {
+            let v = skin.vertex_len();
+            for vertices in [0..v, 2..v - 1, v..v] {
+                for (attribute, expected) in attributes(&skin, vertices.clone()) {
+                    let bits = |floats: Vec<f32>| floats.into_iter().map(f32::to_bits).collect();
+                    let expected = expected.map(bits).ok_or(sinew_status::NoAttribute);
+                    let found = found.attribute(attribute, vertices.clone());
+                    let found: Result<Vec<_>, _> = found.map(bits).map_err(|error| error.status);
+                    assert_eq!(found, expected, "{attribute:?} {vertices:?}");
+                }
+            }
+        });
+    }
+}
+
+/// Lists the attributes of vertices by the runtime; `None` if the skin lacks the attribute.
+fn attributes(skin: &Skin<'_>, vertices: Range<usize>) -> [(sinew_attribute, Option<Vec<f32>>); 4] {
+    use sinew_attribute as A;
+    let positions = vertices.clone().flat_map(|v| skin.rest_position(v).unwrap()).collect();
+    let normals = vertices.clone().flat_map(|v| skin.rest_normal(v).unwrap()).collect();
+    let tangents = vertices.clone().map(|v| skin.rest_tangent(v));
+    let tangents = tangents.collect::<Option<Vec<_>>>().map(|rows| rows.concat());
+    let coefficients = vertices.flat_map(|v| skin.tangent_coefficients(v)).flatten().collect();
+    [
+        (A::Position, Some(positions)),
+        (A::Normal, Some(normals)),
+        (A::Tangent, tangents.filter(|_| skin.has_tangents())),
+        (A::TangentCoefficients, skin.has_coefficients().then_some(coefficients)),
+    ]
+}
+
+#[test]
+fn golden_skins_have_three_and_four_influences() {
+    let counts = TURNED.map(|file| {
+        let model = Loaded::new(file);
+        let info = model.skin(None, 0).unwrap().info();
+        (info.influence_len, info.has_tangents, info.has_coefficients)
+    });
+    assert_eq!(counts, [(4, 1, 1), (3, 0, 1)]);
+}
+
+#[test]
+fn errors_of_normals_are_those_of_the_file() {
+    let bare = Shape { coefficients: false, ..SMALL };
+    let bare = Pieces::sample(Predictor::Kernel, bare).bytes();
+    for (file, has_errors) in [(TURNED[0], true), (TURNED[1], true), (&bare, false)] {
+        with(file, |Both { c: (_, found), rust: (_, skin), .. }| {
+            let expected = skin.normal_errors();
+            assert_eq!(expected.is_some(), has_errors);
+            let expected = expected.map_or([-1.0; 3], |it| [it.model, it.cofactors, it.lbs]);
+            assert_eq!(found.info().normal_errors, expected);
+        });
+    }
+}
+
+#[test]
+fn helper_kinds_are_those_of_the_file() {
+    use sinew_helper_kind as Kind;
+    let files = [GOLDEN[0], GOLDEN[1], GOLDEN_KIND[0], GOLDEN_KIND[1]];
+    for (file, kind) in files.into_iter().zip([Kind::Affine, Kind::Affine, Kind::Trs, Kind::Rigid])
+    {
+        with(file, |Both { c: (found, _), rust: (envelope, _), .. }| {
+            assert_eq!(found.info().helper_kind, kind);
+            assert_eq!(kind as u32, u32::from(envelope.helper_kind().number()));
+        });
+    }
+}
+
+#[test]
+fn influences_are_those_of_the_file() {
     each(|Both { c: (_, found), rust: (_, skin), .. }| {
         let (v, s) = (skin.vertex_len(), found.handle);
         for vertices in [0..v, 2..v - 1] {
             let (start, end) = (vertices.start, vertices.end);
             let n = vertices.len();
-            let mut out = vec![0.0; 3 * n];
-            let at = out.as_mut_ptr();
-            // SAFETY: an open skin and an array with its length.
-            done(unsafe { sinew_skin_rest_positions(s, start, end, at, 3 * n, NONE) });
-            let rest = vertices.clone().flat_map(|v| skin.rest_position(v).unwrap());
-            assert_eq!(out, rest.collect::<Vec<_>>());
-            let at = out.as_mut_ptr();
-            // SAFETY: the same.
-            done(unsafe { sinew_skin_rest_normals(s, start, end, at, 3 * n, NONE) });
-            let rest = vertices.clone().flat_map(|v| skin.rest_normal(v).unwrap());
-            assert_eq!(out, rest.collect::<Vec<_>>());
-            let mut out = vec![0.0; 4 * n];
-            let at = out.as_mut_ptr();
-            // SAFETY: the same.
-            let status = unsafe { sinew_skin_rest_tangents(s, start, end, at, 4 * n, NONE) };
-            if skin.has_tangents() {
-                let rest = vertices.clone().flat_map(|v| skin.rest_tangent(v).unwrap());
-                assert_eq!(out, rest.collect::<Vec<_>>());
-            } else {
-                assert_eq!(status, sinew_status::NoAttribute);
-            }
             let k = skin.influence_len();
             let (mut indices, mut weights) = (vec![0; k * n], vec![0.0; k * n]);
             let (at, at_weights) = (indices.as_mut_ptr(), weights.as_mut_ptr());

@@ -2,7 +2,7 @@
 
 use crate::handles::{self, Loaded, NONE, done, get, matrices, output, unwritten};
 use crate::{Both, EMPTY, common, with};
-use models::{Pieces, SMALL};
+use models::{Pieces, SMALL, Shape};
 use sinew_capi::*;
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::format::SectionKind;
@@ -195,6 +195,89 @@ fn curves_are_refused_as_a_pose_is() {
         assert_eq!(call(null(), len + 1), (sinew_status::Null, curves, 0, 0));
         assert_eq!(call(at, len + 1), (sinew_status::Overlap, sinew_argument::Scratch, 0, 0));
         assert!(palette.iter().all(|transform| *transform == [[0.0; 4]; 3]));
+    });
+}
+
+#[test]
+fn wrong_calls_for_attributes_are_refused() {
+    use sinew_argument as Argument;
+    use sinew_attribute as A;
+    use sinew_status as Status;
+    let file = Pieces::small(Predictor::Kernel).bytes();
+    with(&file, |Both { model, c: (_, skin), rust: (_, mesh) }| {
+        let v = mesh.vertex_len();
+        let pair_len = mesh.influence_len() - 1;
+        let mut out = vec![7.0f32; 8 * v];
+        let at = out.as_mut_ptr();
+        let call = |from: *const sinew_skin, number, start, end, at: *mut f32, len| {
+            let mut error = unwritten();
+            let out_error = &raw mut error;
+            // SAFETY: an open skin or null, and an array with its length, which the call refuses.
+            let status =
+                unsafe { sinew_skin_attribute(from, number, start, end, at, len, out_error) };
+            (status, error)
+        };
+        let refused =
+            |(status, error): (_, sinew_error), argument, [expected, found]: [usize; 2]| {
+                assert_eq!((error.status, error.argument), (status, argument));
+                assert_eq!([error.expected, error.found], [expected, found]);
+                status
+            };
+        for number in [0, 5, u32::MAX] {
+            let found = call(skin.handle, number, 0, v, at, 8 * v);
+            let status = refused(found, Argument::Attribute, [4, number as usize]);
+            assert_eq!(status, Status::OutOfRange);
+        }
+        for (attribute, argument, float_len) in [
+            (A::Position, Argument::Positions, 3),
+            (A::Normal, Argument::Normals, 3),
+            (A::Tangent, Argument::Tangents, 4),
+            (A::TangentCoefficients, Argument::Coefficients, 2 * pair_len),
+        ] {
+            let len = float_len * v;
+            let call =
+                |from, start, end, at, len| call(from, attribute as u32, start, end, at, len);
+            let with = |at, len| call(skin.handle, 0, v, at, len);
+            let short = refused(with(at, len - 1), argument, [len, len - 1]);
+            assert_eq!(short, Status::TooShort);
+            for (start, end) in [(0, v + 1), (3, 2), (usize::MAX, usize::MAX), (usize::MAX, 0)] {
+                let found = call(skin.handle, start, end, at, len);
+                assert_eq!(found.1.index, start);
+                assert_eq!(refused(found, Argument::Vertices, [v, end]), Status::OutOfRange);
+            }
+            assert_eq!(refused(with(null_mut(), len), argument, [0, 0]), Status::Null);
+            let found = call(null(), 0, v, at, len);
+            assert_eq!(refused(found, Argument::Skin, [0, 0]), Status::Null);
+            let odd = with(at.wrapping_byte_add(2), len);
+            assert_eq!(refused(odd, argument, [4, odd.1.found]), Status::Misaligned);
+            let many = isize::MAX as usize / 4 + 1;
+            assert_eq!(refused(with(at, many), argument, [0, many]), Status::TooLong);
+            let file_at = file.as_ptr().wrapping_add(file.as_ptr().align_offset(4));
+            let reads: [*const f32; 3] = [skin.handle.cast(), model.handle.cast(), file_at.cast()];
+            for read in reads {
+                let found = with(read.cast_mut(), len);
+                assert_eq!(refused(found, argument, [0, 0]), Status::Overlap);
+            }
+        }
+        assert!(out.iter().all(|float| *float == 7.0));
+    });
+}
+
+#[test]
+fn a_missing_attribute_is_refused() {
+    let bare = Shape { tangents: false, coefficients: false, ..SMALL };
+    with(&Pieces::sample(Predictor::Kernel, bare).bytes(), |Both { c: (_, skin), .. }| {
+        let error = |attribute| skin.attribute(attribute, 0..1).unwrap_err();
+        for (attribute, argument) in [
+            (sinew_attribute::Tangent, sinew_argument::Tangents),
+            (sinew_attribute::TangentCoefficients, sinew_argument::Coefficients),
+        ] {
+            let error = error(attribute);
+            let expected = (sinew_status::NoAttribute, argument);
+            assert_eq!((error.status, error.argument), expected);
+        }
+        let found = text(&error(sinew_attribute::TangentCoefficients), 100).0;
+        assert_eq!(found, "tangent coefficients: the part has no such attribute");
     });
 }
 

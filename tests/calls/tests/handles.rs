@@ -185,6 +185,30 @@ impl Skin {
         get(|out| unsafe { sinew_skin_describe(self.handle, out, NONE) })
     }
 
+    /// Copies an attribute into an array that has one float too many, which stays as it was.
+    pub fn attribute(
+        &self,
+        attribute: sinew_attribute,
+        vertices: Range<usize>,
+    ) -> Result<Vec<f32>, sinew_error> {
+        let float_len = match attribute {
+            sinew_attribute::Position | sinew_attribute::Normal => 3,
+            sinew_attribute::Tangent => 4,
+            sinew_attribute::TangentCoefficients => 2 * (self.info().influence_len - 1),
+        };
+        let mut out = vec![7.0; float_len * vertices.len() + 1];
+        let (number, at, len) = (attribute as u32, out.as_mut_ptr(), out.len());
+        let (start, end, mut error) = (vertices.start, vertices.end, unwritten());
+        let (skin, out_error) = (self.handle, &raw mut error);
+        // SAFETY: an open skin, an array with its length, and a structure to be written.
+        let status = unsafe { sinew_skin_attribute(skin, number, start, end, at, len, out_error) };
+        if status != sinew_status::Ok {
+            return Err(error);
+        }
+        assert_eq!(out.pop(), Some(7.0));
+        Ok(out)
+    }
+
     pub fn range(&self, index: usize) -> sinew_range {
         // SAFETY: an open skin and one structure to be written.
         get(|out| unsafe { sinew_skin_range(self.handle, index, out, NONE) })

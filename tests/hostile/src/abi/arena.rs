@@ -112,7 +112,7 @@ impl Arena {
             + BATCH * size_of_val(&*frame.palette)
             + size_of_val(&*frame.pose)
             + size_of_val(&*frame.curves)
-            + 6 * frame.vertex_len * frame.influence_len;
+            + (6 + 8) * frame.vertex_len * frame.influence_len;
         let mut arena = Self {
             memory: Vec::new(),
             model: place(sinew_model_bytes()),

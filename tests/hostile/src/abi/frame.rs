@@ -4,7 +4,7 @@ use super::expected::{FilterCase, PriorCase, ViewsCase};
 use crate::parts::query;
 use crate::poses;
 use models::{Rest, cells};
-use sinew_capi::sinew_error;
+use sinew_capi::{sinew_attribute, sinew_error};
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::skin::{Bounds, Output};
 use sinew_runtime::{
@@ -39,6 +39,7 @@ pub(super) struct Frame {
     pub(super) influence_len: usize,
     pub(super) range_len: usize,
     pub(super) has_tangents: bool,
+    pub(super) has_coefficients: bool,
     /// Weights of the skin's shapes.
     pub(super) weights: Vec<f32>,
     /// Palette of the skin's envelope.
@@ -144,6 +145,7 @@ impl Frame {
         self.influence_len = skin.influence_len();
         self.range_len = skin.ranges().count();
         self.has_tangents = skin.has_tangents();
+        self.has_coefficients = skin.has_coefficients();
         self.skin_palette = palette;
         self.weights = (0..skin.shape_len()).map(|shape| 0.75 - 0.5 * shape as f32).collect();
         // Every vertex twice, in reverse order.
@@ -173,6 +175,32 @@ impl Frame {
         self.input_len = counts.input_len as usize;
         self.output_len = counts.output_len as usize;
         self.query = query;
+    }
+
+    /// Lists an attribute of vertices.
+    pub(super) fn attribute(
+        &self,
+        file: &[u8],
+        attribute: sinew_attribute,
+        vertices: Range<usize>,
+    ) -> Vec<f32> {
+        let Some(skin) = self.layout.and_then(|layout| layout.open::<Skin>(file)) else {
+            return Vec::new();
+        };
+        match attribute {
+            sinew_attribute::Position => {
+                vertices.filter_map(|v| skin.rest_position(v)).flatten().collect()
+            }
+            sinew_attribute::Normal => {
+                vertices.filter_map(|v| skin.rest_normal(v)).flatten().collect()
+            }
+            sinew_attribute::Tangent => {
+                vertices.filter_map(|v| skin.rest_tangent(v)).flatten().collect()
+            }
+            sinew_attribute::TangentCoefficients => {
+                vertices.flat_map(|v| skin.tangent_coefficients(v)).flatten().collect()
+            }
+        }
     }
 
     /// Skins into floats that already have content.

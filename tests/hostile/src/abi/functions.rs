@@ -23,7 +23,7 @@ use sinew_status as Status;
 pub(super) type Function = fn(&mut Call<'_, '_>) -> Result<sinew_status>;
 
 /// The functions and their names.
-pub(super) const FUNCTIONS: [(&str, Function); 52] = [
+pub(super) const FUNCTIONS: [(&str, Function); 50] = [
     ("sinew_limits_default", limits_default),
     ("sinew_model_load", load),
     ("sinew_model_describe", model_describe),
@@ -52,9 +52,7 @@ pub(super) const FUNCTIONS: [(&str, Function); 52] = [
     ("sinew_mesh_hash", posed::mesh_hash),
     ("sinew_skin_describe", skin_describe),
     ("sinew_skin_range", range),
-    ("sinew_skin_rest_positions", rest_positions),
-    ("sinew_skin_rest_normals", rest_normals),
-    ("sinew_skin_rest_tangents", rest_tangents),
+    ("sinew_skin_attribute", attribute),
     ("sinew_skin_influences", influences),
     ("sinew_skin_run", run),
     ("sinew_skin_bounds", bounds),
@@ -332,41 +330,28 @@ fn range(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     Ok(unsafe { sinew_skin_range(skin, range, out, error) })
 }
 
-fn rest_positions(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    rest(call, 3, sinew_skin_rest_positions, Argument::Positions)
-}
-
-fn rest_normals(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    rest(call, 3, sinew_skin_rest_normals, Argument::Normals)
-}
-
-fn rest_tangents(call: &mut Call<'_, '_>) -> Result<sinew_status> {
-    call.fault_if(!call.arena.frame.has_tangents, Status::NoAttribute, Argument::Tangents);
-    rest(call, 4, sinew_skin_rest_tangents, Argument::Tangents)
-}
-
-/// A function that copies an attribute of the rest pose.
-type RestCall = unsafe extern "C" fn(
-    *const sinew_skin,
-    usize,
-    usize,
-    *mut f32,
-    usize,
-    *mut sinew_error,
-) -> sinew_status;
-
-fn rest(
-    call: &mut Call<'_, '_>,
-    floats: usize,
-    function: RestCall,
-    argument: Argument,
-) -> Result<sinew_status> {
+fn attribute(call: &mut Call<'_, '_>) -> Result<sinew_status> {
+    use sinew_attribute as Attribute;
+    let (frame, own) = (&call.arena.frame, Argument::Coefficients);
+    let pair_len = frame.influence_len.saturating_sub(1);
+    let attributes = [
+        (Attribute::Position, true, 3, Argument::Positions),
+        (Attribute::Normal, true, 3, Argument::Normals),
+        (Attribute::Tangent, frame.has_tangents, 4, Argument::Tangents),
+        (Attribute::TangentCoefficients, frame.has_coefficients, 2 * pair_len, own),
+    ];
+    let (known, is_there, floats, argument) = *call.u.choose(&attributes)?;
+    let is_unknown = call.one_in(8)?;
+    let number = if is_unknown { *call.u.choose(&[0, 5, u32::MAX])? } else { known as u32 };
+    call.fault_if(is_unknown, Status::OutOfRange, Argument::Attribute);
+    call.fault_if(!is_there, Status::NoAttribute, argument);
     let skin = call.skin()?;
     let (start, end, n) = call.vertices(call.arena.frame.vertex_len)?;
     let (out, out_len) = call.output(floats * n, argument)?;
-    let error = call.ready(unknown);
+    let error =
+        call.ready(|arena| bytes(arena.frame.attribute(arena.file_bytes(), known, start..end)));
     // SAFETY: as above.
-    Ok(unsafe { function(skin, start, end, out, out_len, error) })
+    Ok(unsafe { sinew_skin_attribute(skin, number, start, end, out, out_len, error) })
 }
 
 fn influences(call: &mut Call<'_, '_>) -> Result<sinew_status> {

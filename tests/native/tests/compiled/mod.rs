@@ -6,8 +6,8 @@ mod linked;
 mod parts;
 
 use models::Rng;
-use sinew_runtime::skin::Output;
 use sinew_runtime::envelope::Trs;
+use sinew_runtime::skin::Output;
 use sinew_runtime::{Envelope, LocalTransform, Model, Skin, SkinJob, model_space_pose};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -96,9 +96,8 @@ fn printed(file: &[u8], poses: usize) -> String {
         let local: Vec<_> = envelope.rest_locals().map(turned).collect();
         curves.iter_mut().for_each(|curve| *curve = random.unit() * turn);
         model_space_pose(&envelope, &local, &mut pose).unwrap();
-        let confidence = envelope
-            .palette_trs(&pose, &curves, &mut scratch, &mut palette, &mut bones)
-            .unwrap();
+        let confidence =
+            envelope.palette_trs(&pose, &curves, &mut scratch, &mut palette, &mut bones).unwrap();
         let [positions, normals, tangents] = Output::interleaved(&mut vertices, stride, [0, 3, 6]);
         SkinJob::new(skin, &palette)
             .positions(positions)

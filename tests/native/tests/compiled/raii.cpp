@@ -1,6 +1,8 @@
 // Tests sinew.hpp: ownership, moves, hot reload and failures.
 //
-//     raii MODEL OTHER
+//     raii MODEL OTHER COMPLETE
+//
+// COMPLETE has a skin with tangents and tangent coefficients.
 #include <sinew.hpp>
 
 #include <cmath>
@@ -9,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <type_traits>
+#include <utility>
 
 static int failures = 0;
 
@@ -92,8 +95,9 @@ struct Actor {
                                      scratch.size(), palette.data(), p, &confidence, 1, &error),
              of_envelope);
         came(sinew_skin_describe(s, &mesh, &error), of_skin);
-        came(sinew_skin_rest_positions(s, 0, v, positions.data(), 3 * v, &error), of_skin);
-        came(sinew_skin_rest_normals(s, 0, v, positions.data(), 3 * v, &error), of_skin);
+        came(sinew_skin_attribute(s, SINEW_ATTRIBUTE_POSITION, 0, v, positions.data(), 3 * v,
+                                  &error),
+             of_skin);
         came(sinew_skin_bounds(s, palette.data(), p, 0.0f, &bounds, &error), of_skin);
         sinew_skin_job job{};
         job.skin = s;
@@ -156,6 +160,26 @@ static void hot_reload(const std::vector<std::uint8_t> &file,
     sinew_bounds bounds;
     EXPECT(of_fresh.skin.bounds(of_fresh.palette, bounds).status == SINEW_STATUS_STALE);
     EXPECT(of_fresh.skin.run({}, of_fresh.palette).status == SINEW_STATUS_STALE);
+}
+
+/// Copies every attribute of a skin that has all of them.
+static void attributes(const std::vector<std::uint8_t> &file) {
+    sinew::Model model;
+    sinew::Skin skin;
+    EXPECT(!model.borrow(file));
+    EXPECT(!skin.open(model));
+    const std::size_t v = skin.info().vertex_len, k = skin.info().influence_len;
+    for (const auto &[attribute, float_len] :
+         {std::pair{SINEW_ATTRIBUTE_POSITION, 3 * v},
+          {SINEW_ATTRIBUTE_NORMAL, 3 * v},
+          {SINEW_ATTRIBUTE_TANGENT, 4 * v},
+          {SINEW_ATTRIBUTE_TANGENT_COEFFICIENTS, 2 * (k - 1) * v}}) {
+        std::vector<float> floats, expected(float_len, NAN);
+        EXPECT(!sinew_skin_attribute(skin.get(), attribute, 0, v, expected.data(), float_len,
+                                     nullptr));
+        EXPECT(!skin.attribute(attribute, floats));
+        EXPECT(!floats.empty() && floats == expected);
+    }
 }
 
 int main(int, char **argv) {
@@ -232,6 +256,13 @@ int main(int, char **argv) {
     pose.back().rows[2][3] += 1.0f;
     EXPECT(!character.pose_far(pose, std::vector<float>(curve_len)));
     EXPECT(character.pose().back().rows[2][3] == pose.back().rows[2][3]);
+
+    std::vector<float> floats;
+    EXPECT(!skin.attribute(SINEW_ATTRIBUTE_POSITION, floats));
+    EXPECT(skin.attribute(SINEW_ATTRIBUTE_TANGENT_COEFFICIENTS, floats).status ==
+           SINEW_STATUS_NO_ATTRIBUTE);
+    EXPECT(skin.attribute(sinew_attribute(5), floats).status == SINEW_STATUS_OUT_OF_RANGE);
+    attributes(read(argv[3]));
 
     // A skeleton whose names have a prefix.
     std::vector<std::string> prefixed;
