@@ -107,17 +107,17 @@ fn packed<S: Simd>(
     (indices, weights): Fours<'_>,
     out: &Output<'_>,
 ) -> Option<()> {
-    let mut vertices = rest.iter().zip(indices).zip(weights);
+    let mut vertices = rest.iter().zip(indices.iter().zip(weights));
     let mut floats = out.floats;
-    let last = vertices.next_back()?;
-    for vertex in vertices {
-        let moved = moved(simd, columns, vertex)?;
+    let (last, of_last) = vertices.next_back()?;
+    for (rest, influences) in vertices {
+        let moved = moved(simd, columns, rest, influences)?;
         // One store of four floats: the next vertex overwrites the fourth.
         let four: &[Cell<f32>; 4] = floats.first_chunk()?;
         four.iter().zip(moved).for_each(|(out, value)| out.set(value));
         floats = floats.get(3..)?;
     }
-    let [x, y, z, _] = moved(simd, columns, last)?;
+    let [x, y, z, _] = moved(simd, columns, last, of_last)?;
     put(floats, [x, y, z])
 }
 
@@ -130,10 +130,10 @@ fn strided<S: Simd>(
     (indices, weights): Fours<'_>,
     out: &Output<'_>,
 ) -> Option<()> {
-    let vertices = rest.iter().zip(indices).zip(weights);
+    let vertices = rest.iter().zip(indices.iter().zip(weights));
     // Chunks of 0 would panic.
-    for (vertex, out) in vertices.zip(out.floats.chunks(out.stride.max(1))) {
-        let [x, y, z, _] = moved(simd, columns, vertex)?;
+    for ((rest, influences), out) in vertices.zip(out.floats.chunks(out.stride.max(1))) {
+        let [x, y, z, _] = moved(simd, columns, rest, influences)?;
         put(out, [x, y, z])?;
     }
     Some(())
@@ -146,7 +146,8 @@ fn strided<S: Simd>(
 fn moved<S: Simd>(
     simd: S,
     columns: &[Mat4],
-    ((rest, indices), weights): ((&[Le; 3], &[[u8; 2]; 4]), &[Le; 4]),
+    rest: &[Le; 3],
+    (indices, weights): (&[[u8; 2]; 4], &[Le; 4]),
 ) -> Option<[f32; 4]> {
     let mut sums: Option<[f32x8<S>; 2]> = None;
     for (index, weight) in indices.iter().zip(weights) {

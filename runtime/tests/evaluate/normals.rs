@@ -352,7 +352,8 @@ fn an_attribute_alone_keeps_its_bits() {
             assert_eq!(bits(&normals), bits(&whole[3 * v..6 * v]));
             if shape.tangents {
                 let mut tangents = vec![f32::NAN; 4 * v];
-                let mut alone = SkinJob::new(skin, &palette).tangents(Output::new(&mut tangents, 4));
+                let mut alone =
+                    SkinJob::new(skin, &palette).tangents(Output::new(&mut tangents, 4));
                 alone.run().unwrap();
                 assert_eq!(bits(&tangents), bits(&whole[6 * v..]));
             }

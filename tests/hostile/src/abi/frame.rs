@@ -226,7 +226,7 @@ impl Frame {
         if arguments.has_remap {
             job = job.remap(&self.remap);
         }
-        let job = job
+        let mut job = job
             .vertices(arguments.vertices.clone())
             .positions(positions)
             .normals(normals)
