@@ -1,5 +1,6 @@
 //! A skin in a loaded file, accessors to its arrays, and the hash of its rest mesh.
 
+use super::columns::Scratch;
 use super::counts::{NormalErrors, RULES, SkinCounts, place};
 use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
@@ -56,9 +57,9 @@ impl<'a> Skin<'a> {
         self.0.layout.counts[place::PALETTE] as usize
     }
 
-    /// Returns the floats of scratch for [`super::SkinJob::scratch`].
+    /// Returns the floats of scratch for [`super::SkinJob::scratch`]; 0 on firmware.
     pub const fn scratch_len(&self) -> usize {
-        0
+        Scratch::least(self.palette_len())
     }
 
     /// Returns S, the number of shapes.
