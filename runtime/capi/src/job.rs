@@ -101,6 +101,9 @@ pub unsafe extern "C" fn sinew_skin_run(
         let rest_normals = rest(job.rest_normals, &job, sinew_argument::RestNormals)?;
         let rest_tangents = rest(job.rest_tangents, &job, sinew_argument::RestTangents)?;
         let scratch = Array::given(job.scratch, job.scratch_len, sinew_argument::Scratch)?;
+        if let Some(scratch) = &scratch {
+            scratch.check_least(skin.scratch_len())?;
+        }
         let reads = [
             scratch.as_ref().map_or(Span::EMPTY, Array::span),
             own,
