@@ -44,6 +44,13 @@ pub(super) struct Rest<'a> {
     pub(super) tangents: Option<&'a [[f32; 4]]>,
 }
 
+impl Skin<'_> {
+    /// Returns the floats of scratch for [`SkinJob::scratch`]; 0 on firmware.
+    pub const fn scratch_len(&self) -> usize {
+        Scratch::least(self.palette_len())
+    }
+}
+
 impl<'a> SkinJob<'a> {
     /// Makes a job of all vertices, without outputs.
     ///

@@ -1,6 +1,5 @@
 //! A skin in a loaded file, accessors to its arrays, and the hash of its rest mesh.
 
-use super::columns::Scratch;
 use super::counts::{NormalErrors, RULES, SkinCounts, place};
 use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
@@ -55,11 +54,6 @@ impl<'a> Skin<'a> {
     /// Returns L, the number of transforms in the palette; 0 without an envelope.
     pub const fn palette_len(&self) -> usize {
         self.0.layout.counts[place::PALETTE] as usize
-    }
-
-    /// Returns the floats of scratch for [`super::SkinJob::scratch`]; 0 on firmware.
-    pub const fn scratch_len(&self) -> usize {
-        Scratch::least(self.palette_len())
     }
 
     /// Returns S, the number of shapes.
