@@ -10,10 +10,13 @@ use crate::linear::{Le, Matrix3x4, floats};
 use core::cell::Cell;
 use core::fmt;
 use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, prelude::*};
-use glam::Mat4;
+use wide::bytemuck;
 
 /// Floats of a transform, and of a cache line.
 const LINE: usize = 16;
+
+/// Four columns of a transform, aligned.
+type Columns = [wide::f32x4; 4];
 
 /// Scratch of a job.
 #[derive(Default)]
@@ -70,13 +73,13 @@ impl<'a> Scratch<'a> {
 }
 
 /// Writes the columns of a palette to scratch, each transform into a cache line. `None` without scratch.
-fn transposed<'s>(palette: &[Matrix3x4], scratch: &'s mut [f32]) -> Option<&'s [Mat4]> {
+fn transposed<'s>(palette: &[Matrix3x4], scratch: &'s mut [f32]) -> Option<&'s [Columns]> {
     let past = scratch.as_ptr().addr() / size_of::<f32>() % LINE;
     let lines = scratch.get_mut((LINE - past) % LINE..)?.get_mut(..LINE * palette.len())?;
-    let columns: &mut [Mat4] = bytemuck::try_cast_slice_mut(lines).ok()?;
+    let columns: &mut [Columns] = bytemuck::try_cast_slice_mut(lines).ok()?;
     for (out, [x, y, z]) in columns.iter_mut().zip(palette) {
         let column = |c: usize| [x[c], y[c], z[c], 0.0];
-        *out = Mat4::from_cols_array_2d(&[column(0), column(1), column(2), column(3)]);
+        *out = bytemuck::cast([column(0), column(1), column(2), column(3)]);
     }
     Some(columns)
 }
@@ -86,7 +89,7 @@ fn transposed<'s>(palette: &[Matrix3x4], scratch: &'s mut [f32]) -> Option<&'s [
 #[inline(never)]
 fn positions(
     level: Level,
-    columns: &[Mat4],
+    columns: &[Columns],
     rest: &[[Le; 3]],
     influences: Fours<'_>,
     out: &Output<'_>,
@@ -102,7 +105,7 @@ fn positions(
 #[inline(always)]
 fn packed<S: Simd>(
     simd: S,
-    columns: &[Mat4],
+    columns: &[Columns],
     rest: &[[Le; 3]],
     (indices, weights): Fours<'_>,
     out: &Output<'_>,
@@ -125,7 +128,7 @@ fn packed<S: Simd>(
 #[inline(always)]
 fn strided<S: Simd>(
     simd: S,
-    columns: &[Mat4],
+    columns: &[Columns],
     rest: &[[Le; 3]],
     (indices, weights): Fours<'_>,
     out: &Output<'_>,
@@ -145,15 +148,14 @@ fn strided<S: Simd>(
 #[inline(always)]
 fn moved<S: Simd>(
     simd: S,
-    columns: &[Mat4],
+    columns: &[Columns],
     rest: &[Le; 3],
     (indices, weights): (&[[u8; 2]; 4], &[Le; 4]),
 ) -> Option<[f32; 4]> {
     let mut sums: Option<[f32x8<S>; 2]> = None;
     for (index, weight) in indices.iter().zip(weights) {
-        let transform: &[f32; LINE] =
-            columns.get(usize::from(u16::from_le_bytes(*index)))?.as_ref();
-        let [first, second] = transform.as_chunks::<8>().0.first_chunk()?;
+        let columns = columns.get(usize::from(u16::from_le_bytes(*index)))?;
+        let [first, second]: &[[f32; 8]; 2] = bytemuck::cast_ref(columns);
         let weight = f32x8::splat(simd, f32::from_le_bytes(*weight));
         let first = f32x8::load_array_ref(simd, first) * weight;
         let second = f32x8::load_array_ref(simd, second) * weight;
