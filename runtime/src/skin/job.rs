@@ -1,6 +1,5 @@
 //! Job of the stage `skin`: the arguments and their checks.
 
-use super::columns::Scratch;
 use super::output::{Output, Outputs, check_range};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -33,7 +32,6 @@ pub struct SkinJob<'a> {
     pub(super) positions: Option<Output<'a>>,
     pub(super) normals: Option<Output<'a>>,
     pub(super) tangents: Option<Output<'a>>,
-    pub(super) scratch: Scratch<'a>,
 }
 
 /// Rest mesh of the caller. The file's arrays replace missing arrays.
@@ -44,13 +42,6 @@ pub(super) struct Rest<'a> {
     pub(super) tangents: Option<&'a [[f32; 4]]>,
 }
 
-impl Skin<'_> {
-    /// Returns the floats of scratch for [`SkinJob::scratch`]; 0 on firmware.
-    pub const fn scratch_len(&self) -> usize {
-        Scratch::least(self.palette_len())
-    }
-}
-
 impl<'a> SkinJob<'a> {
     /// Makes a job of all vertices, without outputs.
     ///
@@ -58,8 +49,7 @@ impl<'a> SkinJob<'a> {
     pub fn new(skin: Skin<'a>, palette: &'a [Matrix3x4]) -> Self {
         let (vertices, remap, rest) = (None, None, Rest::default());
         let (positions, normals, tangents) = (None, None, None);
-        let scratch = Scratch::default();
-        Self { skin, palette, vertices, remap, rest, positions, normals, tangents, scratch }
+        Self { skin, palette, vertices, remap, rest, positions, normals, tangents }
     }
 
     /// Sets the range of vertices: of the remap if there is one, else of the skin. Jobs of different ranges can run at
@@ -118,10 +108,11 @@ impl<'a> SkinJob<'a> {
         Self { tangents: tangents.into(), ..self }
     }
 
-    /// Lends scratch, which makes positions faster: [`Skin::scratch_len`] floats of any content. The results are the
-    /// same without scratch. A clone of the job has none.
+    /// Lends scratch, which makes the job faster: [`Skin::scratch_len`] floats of any content. The results are the same
+    /// without scratch. This version needs none, so the length is 0.
     pub fn scratch(self, scratch: &'a mut [f32]) -> Self {
-        Self { scratch: Scratch::new(scratch), ..self }
+        let _ = scratch;
+        self
     }
 
     /// Returns the range of vertices.
@@ -137,7 +128,6 @@ impl<'a> SkinJob<'a> {
         let outputs = [&self.positions, &self.normals, &self.tangents].map(Option::as_ref);
         let outputs = Outputs::new(outputs)?;
         Argument::Palette.check_len(self.skin.palette_len(), self.palette.len())?;
-        self.scratch.check(self.palette.len())?;
         let Rest { positions, normals, tangents } = self.rest;
         for (argument, found) in [
             (Argument::RestPositions, positions.map(<[_]>::len)),

@@ -264,8 +264,6 @@ impl Skin {
             positions: nothing,
             normals: nothing,
             tangents: nothing,
-            scratch: null_mut(),
-            scratch_len: 0,
         }
     }
 
