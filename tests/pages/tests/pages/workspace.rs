@@ -64,6 +64,9 @@ fn main() {
 }
 ";
 
+/// A workspace that leaves out the copy of the runtime.
+const ALONE: &str = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
+
 /// Makes an engine as a workspace, with a game that uses the runtime in another folder. The engine
 /// lies outside our workspace, at a place specific to this checkout.
 fn engine(name: &str, workspace: &str) -> PathBuf {
@@ -98,16 +101,14 @@ fn the_repository_may_stand_inside_another_workspace() {
 
 #[test]
 fn the_runtime_alone_may_stand_where_the_workspace_leaves_it_out() {
-    let workspace = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
-    let engine = engine("engine-alone", workspace);
+    let engine = engine("engine-alone", ALONE);
     copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
     assert_eq!(cargo(&engine, Path::new(NESTED), &["run", "-q", "-p", "game"]), PRINTED);
 }
 
 #[test]
 fn no_feature_changes_a_result() {
-    let workspace = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
-    let engine = engine("engine-features", workspace);
+    let engine = engine("engine-features", ALONE);
     copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
     write(&engine.join("game/src/main.rs"), RESULTS);
     let golden = |name: &str| models::golden_path(name).display().to_string();
@@ -143,8 +144,7 @@ const PAGES: [&str; 3] = ["README.md", "runtime/README.md", "runtime/ENGINE.md"]
 
 #[test]
 fn the_code_of_the_pages_and_the_host_program_need_no_internals() {
-    let workspace = "[workspace]\nresolver = \"3\"\nmembers = [\"game\"]\nexclude = [\"sinew\"]\n";
-    let engine = engine("engine-pages", workspace);
+    let engine = engine("engine-pages", ALONE);
     copy(&["runtime/Cargo.toml", "runtime/README.md", "runtime/src"], &engine.join("sinew"));
     let game = "[package]\nname = \"game\"\nversion = \"0.1.0\"\nedition = \"2024\"\n
 [dependencies]\nrayon = \"1\"\nsinew-runtime = { path = \"../sinew/runtime\", \
