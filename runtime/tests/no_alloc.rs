@@ -46,6 +46,7 @@ fn evaluate(predictor: Predictor, shape: Shape) {
     let (mut palettes, mut confidences) = ([palette.as_slice(), &palette].concat(), [0.0; 2]);
     let (mut a, mut b) = (vec![0.0; 6 * v], vec![0.0; 4 * v]);
     let (positions, remap) = (vec![[0.5; 3]; v], vec![1; v]);
+    let mut skin_scratch = vec![0.0; skin.scratch_len()];
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
         let envelope = model.named::<Envelope>("arm").unwrap();
@@ -64,11 +65,13 @@ fn evaluate(predictor: Predictor, shape: Shape) {
         skin.bounds(&palette, 0.25).unwrap();
         assert_eq!(skin.ranges().count(), 2);
         let a = cells(&mut a);
-        let whole = SkinJob::new(skin, &palette)
+        let mut whole = SkinJob::new(skin, &palette)
             .positions(Output::shared(a, 6))
             .normals(Output::shared(&a[3..], 6))
             .tangents(Output::new(&mut b, 4));
         whole.run().unwrap();
+        let positions_only = whole.clone().normals(None).tangents(None);
+        positions_only.scratch(&mut skin_scratch).run().unwrap();
         whole.remap(&remap).rest_positions(&positions).run().unwrap();
         assert!(Model::from_bytes(&bytes[1..]).is_err());
     });

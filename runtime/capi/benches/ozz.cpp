@@ -85,6 +85,9 @@ int main(int argc, char **argv) {
     std::vector<ozz::math::Float4x4> matrices(envelope.info().palette_len);
     sinew_skin_job job{};
     job.end = v;
+    std::vector<float> scratch(skin.info().scratch_len);
+    job.scratch = scratch.data();
+    job.scratch_len = scratch.size();
     job.positions = {own.data(), own.size(), 3};
     sinew_skin_job with_normals = job;
     with_normals.normals = {own_normals.data(), own_normals.size(), 3};

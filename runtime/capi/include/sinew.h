@@ -864,6 +864,8 @@ typedef struct sinew_skin_info {
     size_t range_len;
     /// S, the number of shapes.
     size_t shape_len;
+    /// Floats of scratch for `sinew_skin_job`; 0 on firmware.
+    size_t scratch_len;
     /// 1 if the skin has tangents, otherwise 0.
     uint32_t has_tangents;
     /// 1 if the skin has tangent coefficients, which jobs use for normals and tangents. If 0, jobs use
@@ -969,6 +971,11 @@ typedef struct sinew_skin_job {
     /// Output tangents: 3 floats of length 1, then the handedness. If the palette gives a tangent no
     /// direction, the job writes the rest tangent.
     struct sinew_output tangents;
+    /// Null, or `sinew_skin_info.scratch_len` floats with any content, which make positions faster: one array per
+    /// thread. The content after the call has no meaning.
+    float *scratch;
+    /// Length of `scratch`; 0 without.
+    size_t scratch_len;
 } sinew_skin_job;
 
 /// An axis-aligned box in model space.

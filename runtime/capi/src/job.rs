@@ -62,6 +62,11 @@ pub struct sinew_skin_job {
     /// Output tangents: 3 floats of length 1, then the handedness. If the palette gives a tangent no
     /// direction, the job writes the rest tangent.
     pub tangents: sinew_output,
+    /// Null, or `sinew_skin_info.scratch_len` floats with any content, which make positions faster: one array per
+    /// thread. The content after the call has no meaning.
+    pub scratch: *mut f32,
+    /// Length of `scratch`; 0 without.
+    pub scratch_len: usize,
 }
 
 /// An axis-aligned box in model space.
@@ -95,7 +100,12 @@ pub unsafe extern "C" fn sinew_skin_run(
         let rest_positions = rest(job.rest_positions, &job, sinew_argument::RestPositions)?;
         let rest_normals = rest(job.rest_normals, &job, sinew_argument::RestNormals)?;
         let rest_tangents = rest(job.rest_tangents, &job, sinew_argument::RestTangents)?;
+        let scratch = Array::given(job.scratch, job.scratch_len, sinew_argument::Scratch)?;
+        if let Some(scratch) = &scratch {
+            scratch.check_least(skin.scratch_len())?;
+        }
         let reads = [
+            scratch.as_ref().map_or(Span::EMPTY, Array::span),
             own,
             model,
             file,
@@ -106,6 +116,8 @@ pub unsafe extern "C" fn sinew_skin_run(
             rest_normals.as_ref().map_or(Span::EMPTY, Array::span),
             rest_tangents.as_ref().map_or(Span::EMPTY, Array::span),
         ];
+        let [written, others @ ..] = &reads;
+        border::check_disjoint(&[*written], others)?;
         let wanted = [job.positions, job.normals, job.tangents];
         // SAFETY: lent by the caller for this call.
         let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
@@ -123,6 +135,9 @@ pub unsafe extern "C" fn sinew_skin_run(
             }
             if let Some(tangents) = rest_tangents {
                 own = own.rest_tangents(tangents.read());
+            }
+            if let Some(scratch) = scratch {
+                own = own.scratch(scratch.write());
             }
             Ok(own.positions(positions).normals(normals).tangents(tangents).run()?)
         }

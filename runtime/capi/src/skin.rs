@@ -38,6 +38,8 @@ pub struct sinew_skin_info {
     pub range_len: usize,
     /// S, the number of shapes.
     pub shape_len: usize,
+    /// Floats of scratch for `sinew_skin_job`; 0 on firmware.
+    pub scratch_len: usize,
     /// 1 if the skin has tangents, otherwise 0.
     pub has_tangents: u32,
     /// 1 if the skin has tangent coefficients, which jobs use for normals and tangents. If 0, jobs use
@@ -108,6 +110,7 @@ pub unsafe extern "C" fn sinew_skin_describe(
             palette_len: skin.palette_len(),
             range_len: skin.counts().range_len as usize,
             shape_len: skin.shape_len(),
+            scratch_len: skin.scratch_len(),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
             normal_errors: skin.normal_errors().map_or([-1.0; 3], |errors| errors.figures()),

@@ -50,16 +50,22 @@ impl SkinJob<'_> {
     /// - [`crate::CallErrorKind::NoAttribute`]: the job has an output of tangents, but neither the skin nor `rest` has
     ///   tangents.
     /// - [`crate::CallErrorKind::Stride`]: a stride is shorter than its attribute.
-    /// - [`crate::CallErrorKind::TooShort`]: an output is too short for its attribute.
+    /// - [`crate::CallErrorKind::TooShort`]: an output is too short for its attribute, or scratch is too short.
     /// - [`crate::CallErrorKind::Overlap`]: two outputs share a float.
-    pub fn run(&self) -> Result<(), CallError> {
+    pub fn run(&mut self) -> Result<(), CallError> {
         self.check()?;
         let Self { skin, palette, remap, .. } = *self;
         let vertices = self.range();
         let influences = Influences::new(&skin, palette);
         match (&self.positions, &self.normals, &self.tangents) {
             (Some(out), None, None) if remap.is_none() && self.rest.positions.is_none() => {
-                skin_positions_only(&skin, palette, vertices.clone(), out);
+                let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
+                let fours = influences.by_four(vertices.clone());
+                let done =
+                    fours.and_then(|fours| self.scratch.positions(palette, rest, fours, out));
+                if done.is_none() {
+                    skin_positions_only(&skin, palette, vertices.clone(), out);
+                }
                 return Ok(());
             }
             _ => {}

@@ -1,5 +1,6 @@
 //! Job of the stage `skin`: the arguments and their checks.
 
+use super::columns::Scratch;
 use super::output::{Output, Outputs, check_range};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
@@ -32,6 +33,7 @@ pub struct SkinJob<'a> {
     pub(super) positions: Option<Output<'a>>,
     pub(super) normals: Option<Output<'a>>,
     pub(super) tangents: Option<Output<'a>>,
+    pub(super) scratch: Scratch<'a>,
 }
 
 /// Rest mesh of the caller. The file's arrays replace missing arrays.
@@ -42,6 +44,13 @@ pub(super) struct Rest<'a> {
     pub(super) tangents: Option<&'a [[f32; 4]]>,
 }
 
+impl Skin<'_> {
+    /// Returns the floats of scratch for [`SkinJob::scratch`]; 0 on firmware.
+    pub const fn scratch_len(&self) -> usize {
+        Scratch::least(self.palette_len())
+    }
+}
+
 impl<'a> SkinJob<'a> {
     /// Makes a job of all vertices, without outputs.
     ///
@@ -49,7 +58,8 @@ impl<'a> SkinJob<'a> {
     pub fn new(skin: Skin<'a>, palette: &'a [Matrix3x4]) -> Self {
         let (vertices, remap, rest) = (None, None, Rest::default());
         let (positions, normals, tangents) = (None, None, None);
-        Self { skin, palette, vertices, remap, rest, positions, normals, tangents }
+        let scratch = Scratch::default();
+        Self { skin, palette, vertices, remap, rest, positions, normals, tangents, scratch }
     }
 
     /// Sets the range of vertices: of the remap if there is one, else of the skin. Jobs of different ranges can run at
@@ -108,11 +118,10 @@ impl<'a> SkinJob<'a> {
         Self { tangents: tangents.into(), ..self }
     }
 
-    /// Lends scratch, which makes the job faster: [`Skin::scratch_len`] floats of any content. The results are the same
-    /// without scratch. This version needs none, so the length is 0.
+    /// Lends scratch, which makes positions faster: [`Skin::scratch_len`] floats of any content. The results are the
+    /// same without scratch. A clone of the job has none.
     pub fn scratch(self, scratch: &'a mut [f32]) -> Self {
-        let _ = scratch;
-        self
+        Self { scratch: Scratch::new(scratch), ..self }
     }
 
     /// Returns the range of vertices.
@@ -128,6 +137,7 @@ impl<'a> SkinJob<'a> {
         let outputs = [&self.positions, &self.normals, &self.tangents].map(Option::as_ref);
         let outputs = Outputs::new(outputs)?;
         Argument::Palette.check_len(self.skin.palette_len(), self.palette.len())?;
+        self.scratch.check(self.palette.len())?;
         let Rest { positions, normals, tangents } = self.rest;
         for (argument, found) in [
             (Argument::RestPositions, positions.map(<[_]>::len)),

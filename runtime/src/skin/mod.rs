@@ -3,6 +3,8 @@
 mod blend;
 mod bounds;
 pub(crate) mod check;
+#[cfg_attr(target_os = "none", path = "no_columns.rs")]
+mod columns;
 mod counts;
 mod evaluate;
 mod job;

@@ -143,24 +143,25 @@ impl Columns {
         (g, h): ([Register; 3], [Register; 3]),
     ) -> [Register; 3] {
         let [p, q, r, s] = &self.transforms;
-        let [w0, w1, w2, w3] = &self.weights;
-        let entry = |c: usize| {
-            let of = |transform: &[[Lane; 4]; 3]| register(&transform[ROW][c]);
-            let sum = Register::from(0.0) + of(p) * register(w0) + of(q) * register(w1);
-            sum + of(r) * register(w2) + of(s) * register(w3)
-        };
-        let position = |transform: &[[Lane; 4]; 3]| {
-            let [a, b, c, d] = &transform[ROW];
-            register(a) * x[0] + register(b) * x[1] + register(c) * x[2] + register(d)
-        };
-        let last = position(s);
-        let apart = [position(p) - last, position(q) - last, position(r) - last];
-        let linear = [entry(0), entry(1), entry(2)];
+        let last = moved(&s[ROW], x);
+        let apart = [moved(&p[ROW], x) - last, moved(&q[ROW], x) - last, moved(&r[ROW], x) - last];
+        let linear = [self.entry::<ROW, 0>(), self.entry::<ROW, 1>(), self.entry::<ROW, 2>()];
         [
-            dot(linear, x) + entry(3),
+            dot(linear, x) + self.entry::<ROW, 3>(),
             dot(linear, frame.g) + dot(g, apart),
             dot(linear, frame.h) + dot(h, apart),
         ]
+    }
+
+    /// Returns an entry of the blended transforms.
+    #[inline(always)]
+    fn entry<const ROW: usize, const COLUMN: usize>(&self) -> Register {
+        let [p, q, r, s] = &self.transforms;
+        let [w0, w1, w2, w3] = &self.weights;
+        let sum = Register::from(0.0) + register(&p[ROW][COLUMN]) * register(w0);
+        let sum = sum + register(&q[ROW][COLUMN]) * register(w1);
+        let sum = sum + register(&r[ROW][COLUMN]) * register(w2);
+        sum + register(&s[ROW][COLUMN]) * register(w3)
     }
 }
 
@@ -175,6 +176,12 @@ pub(super) fn eights<'a, T>(
 #[inline(always)]
 fn register(lane: &Lane) -> Register {
     Register::from(lane.0)
+}
+
+/// Returns one coordinate of the vertices, moved by a row of their transforms.
+#[inline(always)]
+fn moved([a, b, c, d]: &[Lane; 4], [x, y, z]: [Register; 3]) -> Register {
+    register(a) * x + register(b) * y + register(c) * z + register(d)
 }
 
 #[inline(always)]

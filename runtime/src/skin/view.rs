@@ -56,11 +56,6 @@ impl<'a> Skin<'a> {
         self.0.layout.counts[place::PALETTE] as usize
     }
 
-    /// Returns the floats of scratch for [`super::SkinJob::scratch`].
-    pub const fn scratch_len(&self) -> usize {
-        0
-    }
-
     /// Returns S, the number of shapes.
     pub const fn shape_len(&self) -> usize {
         self.0.layout.counts[place::SHAPES] as usize

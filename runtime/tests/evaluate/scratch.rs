@@ -1,9 +1,60 @@
 //! Batches and scratch: the bits do not depend on the scratch.
 
-use crate::common::{Stretched, bits, palette_with, random_pose, stretched_pose, with_predictor};
+use crate::common::{
+    Stretched, bits, palette, palette_with, random_pose, short_error, stretched_pose,
+    with_predictor, with_skin,
+};
 use models::{JOINTLESS, Rng, SMALL, STRETCHING, Shape};
-use sinew_runtime::Matrix3x4;
 use sinew_runtime::envelope::{EnvelopeCounts, Predictor, scratch_len};
+use sinew_runtime::skin::Output;
+use sinew_runtime::{Argument, Matrix3x4, SkinJob};
+
+#[test]
+fn positions_with_scratch_have_the_bits_of_positions_without() {
+    for influences in 1..=4 {
+        with_skin(Shape { influences, vertices: 19, ..SMALL }, |envelope, skin| {
+            let v = skin.vertex_len();
+            let posed = |turn| palette(&envelope, &random_pose(&envelope, &mut Rng(5), turn));
+            let all = |value| vec![[[value; 4]; 3]; envelope.palette_len()];
+            let mut palettes = vec![posed(0.3), posed(8.0), all(0.0), all(-0.0), all(-1e-45)];
+            palettes.push(all(1e38));
+            for palette in palettes {
+                for (stride, vertices) in [(3, 0..v), (3, 2..3), (4, 1..v), (8, 5..5), (3, 7..12)] {
+                    let job = SkinJob::new(skin, &palette).vertices(vertices.clone());
+                    let len = vertices.len() * stride + 5;
+                    let (mut expected, mut found) = (vec![-7.0; len], vec![-7.0; len]);
+                    job.clone().positions(Output::new(&mut expected, stride)).run().unwrap();
+                    // At any place in a cache line.
+                    for skipped in [0, 1, 7, 15] {
+                        let mut scratch = vec![f32::NAN; skipped + skin.scratch_len()];
+                        let out = Output::new(&mut found, stride);
+                        let mut job = job.clone().scratch(&mut scratch[skipped..]).positions(out);
+                        job.run().unwrap();
+                        job.run().unwrap();
+                        assert_eq!(bits(&found), bits(&expected), "{influences}, {stride}");
+                    }
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn scratch_of_a_job_that_is_too_short_is_refused() {
+    with_skin(SMALL, |envelope, skin| {
+        let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
+        let (mut out, least) = (vec![-7.0; 3 * skin.vertex_len()], skin.scratch_len());
+        for found in [1, least - 1] {
+            let mut scratch = vec![0.0; found];
+            let job = SkinJob::new(skin, &palette).scratch(&mut scratch);
+            let refused = job.positions(Output::new(&mut out, 3)).run();
+            assert_eq!(refused, Err(short_error(Argument::Scratch, least, found)));
+        }
+        assert!(out.iter().all(|x| *x == -7.0));
+        let job = SkinJob::new(skin, &palette).scratch(&mut []);
+        job.positions(Output::new(&mut out, 3)).run().unwrap();
+    });
+}
 
 #[test]
 fn a_batch_has_the_bits_of_single_poses() {

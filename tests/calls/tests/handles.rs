@@ -264,6 +264,8 @@ impl Skin {
             positions: nothing,
             normals: nothing,
             tangents: nothing,
+            scratch: null_mut(),
+            scratch_len: 0,
         }
     }
 

@@ -108,7 +108,7 @@ impl Arena {
             + frame.views.as_ref().map_or(0, ViewsCase::result_bytes)
             + 4 * ways.max().unwrap_or_default()
             + size_of_val(&*frame.weights)
-            + 4 * (frame.scratch_len + 32 * 2 * (frame.vertex_len + 1))
+            + 4 * (frame.scratch_len + frame.skin_scratch_len + 32 * 2 * (frame.vertex_len + 1))
             + BATCH * size_of_val(&*frame.palette)
             + size_of_val(&*frame.pose)
             + size_of_val(&*frame.curves)

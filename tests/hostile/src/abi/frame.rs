@@ -26,6 +26,7 @@ pub(super) struct Frame {
     pub(super) envelope_name: String,
     pub(super) predictor: Option<Predictor>,
     pub(super) scratch_len: usize,
+    pub(super) skin_scratch_len: usize,
     pub(super) local: Vec<LocalTransform>,
     pub(super) pose: Vec<Matrix3x4>,
     pub(super) curves: Vec<f32>,
@@ -143,6 +144,7 @@ impl Frame {
         self.layout = Some(skin.layout());
         self.vertex_len = v;
         self.influence_len = skin.influence_len();
+        self.skin_scratch_len = skin.scratch_len();
         self.range_len = skin.ranges().count();
         self.has_tangents = skin.has_tangents();
         self.has_coefficients = skin.has_coefficients();
@@ -224,7 +226,7 @@ impl Frame {
         if arguments.has_remap {
             job = job.remap(&self.remap);
         }
-        let job = job
+        let mut job = job
             .vertices(arguments.vertices.clone())
             .positions(positions)
             .normals(normals)

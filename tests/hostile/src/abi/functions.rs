@@ -383,6 +383,10 @@ fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
     let has_tangents = call.arena.frame.has_tangents || !rest[2].is_null();
     let (outputs, requested) = outputs(call, n, has_tangents)?;
     let [positions, normals, tangents] = outputs;
+    let (scratch, scratch_len) = match call.one_in(2)? {
+        true => call.output(call.arena.frame.skin_scratch_len, Argument::Scratch)?,
+        false => (null_mut(), 0),
+    };
     let place = call.arena.argument.start;
     let job = call.arena.at::<sinew_skin_job>(place);
     // SAFETY: the place is aligned and large enough, and the structure has no padding.
@@ -402,6 +406,8 @@ fn run(call: &mut Call<'_, '_>) -> Result<sinew_status> {
             positions,
             normals,
             tangents,
+            scratch,
+            scratch_len,
         });
     }
     // Other bytes would be pointers to memory that the caller does not own.
