@@ -7,7 +7,7 @@ use models::{
 };
 use sinew_runtime::envelope::Predictor;
 use sinew_runtime::kernel::Kernel;
-use sinew_runtime::skin::Output;
+use sinew_runtime::skin::{CacheLine, Output};
 use sinew_runtime::views::{Layer, RenderScratch};
 use sinew_runtime::{
     Envelope, Frame, FrameJob, KernelMap, LocalTransform, Model, Pin, PinJob, Pins, Prior,
@@ -46,7 +46,7 @@ fn evaluate(predictor: Predictor, shape: Shape) {
     let (mut palettes, mut confidences) = ([palette.as_slice(), &palette].concat(), [0.0; 2]);
     let (mut a, mut b) = (vec![0.0; 6 * v], vec![0.0; 4 * v]);
     let (positions, remap) = (vec![[0.5; 3]; v], vec![1; v]);
-    let mut skin_scratch = vec![0.0; skin.scratch_len()];
+    let mut skin_scratch = vec![CacheLine::default(); skin.scratch_len()];
     let count = allocations(|| {
         let model = Model::from_bytes(bytes.as_slice()).unwrap();
         let envelope = model.named::<Envelope>("arm").unwrap();
@@ -65,7 +65,7 @@ fn evaluate(predictor: Predictor, shape: Shape) {
         skin.bounds(&palette, 0.25).unwrap();
         assert_eq!(skin.ranges().count(), 2);
         let a = cells(&mut a);
-        let mut whole = SkinJob::new(skin, &palette)
+        let whole = SkinJob::new(skin, &palette)
             .positions(Output::shared(a, 6))
             .normals(Output::shared(&a[3..], 6))
             .tangents(Output::new(&mut b, 4));

@@ -101,6 +101,14 @@ impl<T> Array<T> {
         Ok(Self { at: at.cast_mut(), len: 1, argument })
     }
 
+    /// Returns the part of scratch of floats that holds whole values of another type, with their alignment.
+    pub(crate) fn aligned<U>(self) -> Array<U> {
+        let bytes = self.len * size_of::<T>();
+        let skipped = self.at.addr().wrapping_neg() % align_of::<U>();
+        let len = bytes.saturating_sub(skipped) / size_of::<U>();
+        Array { at: self.at.wrapping_byte_add(skipped).cast(), len, argument: self.argument }
+    }
+
     /// Returns the array's place in memory.
     pub(crate) fn span(&self) -> Span {
         Span { start: self.at.addr(), bytes: self.len * size_of::<T>(), argument: self.argument }

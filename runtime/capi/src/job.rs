@@ -7,7 +7,7 @@ use crate::error::{sinew_error, sinew_status};
 use crate::part;
 use crate::skin::sinew_skin;
 use core::ffi::c_char;
-use sinew_runtime::skin::{Bounds, Output};
+use sinew_runtime::skin::{Bounds, CacheLine, Output};
 use sinew_runtime::{Matrix3x4, ShapesJob, Skin, SkinJob};
 
 /// Destination of an attribute. The i-th vertex *of the range* is written at `floats[i * stride]`. An
@@ -69,6 +69,15 @@ pub struct sinew_skin_job {
     pub scratch_len: usize,
 }
 
+/// Returns the floats of scratch of a job, from any address.
+pub(crate) const fn scratch_len(skin: &Skin<'_>) -> usize {
+    let line = size_of::<CacheLine>() / size_of::<f32>();
+    match skin.scratch_len() {
+        0 => 0,
+        len => line * len + line - 1,
+    }
+}
+
 /// An axis-aligned box in model space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
@@ -102,7 +111,7 @@ pub unsafe extern "C" fn sinew_skin_run(
         let rest_tangents = rest(job.rest_tangents, &job, sinew_argument::RestTangents)?;
         let scratch = Array::given(job.scratch, job.scratch_len, sinew_argument::Scratch)?;
         if let Some(scratch) = &scratch {
-            scratch.check_least(skin.scratch_len())?;
+            scratch.check_least(scratch_len(&skin))?;
         }
         let reads = [
             scratch.as_ref().map_or(Span::EMPTY, Array::span),
@@ -137,7 +146,7 @@ pub unsafe extern "C" fn sinew_skin_run(
                 own = own.rest_tangents(tangents.read());
             }
             if let Some(scratch) = scratch {
-                own = own.scratch(scratch.write());
+                own = own.scratch(scratch.aligned().write());
             }
             Ok(own.positions(positions).normals(normals).tangents(tangents).run()?)
         }

@@ -3,6 +3,7 @@
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
 use crate::error::{SINEW_NO_PART, sinew_error, sinew_status};
+use crate::job;
 use crate::part::{self, Opened};
 use core::ffi::c_char;
 use core::ops::Range;
@@ -110,7 +111,7 @@ pub unsafe extern "C" fn sinew_skin_describe(
             palette_len: skin.palette_len(),
             range_len: skin.counts().range_len as usize,
             shape_len: skin.shape_len(),
-            scratch_len: skin.scratch_len(),
+            scratch_len: job::scratch_len(&skin),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
             normal_errors: skin.normal_errors().map_or([-1.0; 3], |errors| errors.figures()),

@@ -4,6 +4,7 @@
 //! index that no checked file holds, instead of a panic.
 
 use super::blend::{Fours, Influences, along, moved};
+use super::columns::skin_positions as by_columns;
 use super::job::{Rest, SkinJob};
 use super::normals::{Frame, Vertex, cofactors, side, unit};
 use super::output::{Output, put};
@@ -52,7 +53,7 @@ impl SkinJob<'_> {
     /// - [`crate::CallErrorKind::Stride`]: a stride is shorter than its attribute.
     /// - [`crate::CallErrorKind::TooShort`]: an output is too short for its attribute, or scratch is too short.
     /// - [`crate::CallErrorKind::Overlap`]: two outputs share a float.
-    pub fn run(&mut self) -> Result<(), CallError> {
+    pub fn run(&self) -> Result<(), CallError> {
         self.check()?;
         let Self { skin, palette, remap, .. } = *self;
         let vertices = self.range();
@@ -61,8 +62,8 @@ impl SkinJob<'_> {
             (Some(out), None, None) if remap.is_none() && self.rest.positions.is_none() => {
                 let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
                 let fours = influences.by_four(vertices.clone());
-                let done =
-                    fours.and_then(|fours| self.scratch.positions(palette, rest, fours, out));
+                let scratch = self.scratch;
+                let done = fours.and_then(|fours| by_columns(palette, scratch, rest, fours, out));
                 if done.is_none() {
                     skin_positions_only(&skin, palette, vertices.clone(), out);
                 }

@@ -22,7 +22,7 @@ pub(crate) use counts::{
     BLOCK, LENGTH_TOLERANCE, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE,
 };
 pub use counts::{NormalErrors, ShapeErrors};
-pub use job::SkinJob;
+pub use job::{CacheLine, SkinJob};
 pub use output::Output;
 #[cfg(feature = "shapes")]
 pub use shapes::ShapesJob;

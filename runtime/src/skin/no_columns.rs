@@ -1,37 +1,18 @@
-//! Scratch on small processors, which have no vector units: jobs use none.
+//! Positions by columns on small processors, which have no vector units: never.
 
 use super::blend::Fours;
+use super::job::CacheLine;
 use super::output::Output;
-use crate::error::CallError;
 use crate::linear::{Le, Matrix3x4};
-use core::marker::PhantomData;
+use core::cell::Cell;
 
-/// Scratch of a job.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Scratch<'a>(PhantomData<&'a mut [f32]>);
-
-impl<'a> Scratch<'a> {
-    pub(super) const fn least(_: usize) -> usize {
-        0
-    }
-
-    pub(super) const fn new(_: &'a mut [f32]) -> Self {
-        Self(PhantomData)
-    }
-
-    #[inline(always)]
-    pub(super) const fn check(&self, _: usize) -> Result<(), CallError> {
-        Ok(())
-    }
-
-    #[inline(always)]
-    pub(super) const fn positions(
-        &mut self,
-        _: &[Matrix3x4],
-        _: &[[Le; 3]],
-        _: Fours<'_>,
-        _: &Output<'_>,
-    ) -> Option<()> {
-        None
-    }
+#[inline(always)]
+pub(super) const fn skin_positions(
+    _: &[Matrix3x4],
+    _: &[Cell<CacheLine>],
+    _: &[[Le; 3]],
+    _: Fours<'_>,
+    _: &Output<'_>,
+) -> Option<()> {
+    None
 }

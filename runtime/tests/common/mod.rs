@@ -169,7 +169,7 @@ pub fn run(job: &SkinJob<'_>) -> Vec<f32> {
     let mut out = vec![f32::NAN; 10 * n];
     let lent = cells(&mut out);
     let (positions, normals) = (Output::shared(lent, 3), Output::shared(&lent[3 * n..], 3));
-    let mut both = job.clone().positions(positions).normals(normals);
+    let both = job.clone().positions(positions).normals(normals);
     let tangents = Output::shared(&lent[6 * n..], 4);
     match both.clone().tangents(tangents).run() {
         Err(error) if error.kind == CallErrorKind::NoAttribute => {

@@ -347,13 +347,12 @@ fn an_attribute_alone_keeps_its_bits() {
             let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
             let (v, whole) = (skin.vertex_len(), skinned(skin, &palette));
             let mut normals = vec![f32::NAN; 3 * v];
-            let mut alone = SkinJob::new(skin, &palette).normals(Output::new(&mut normals, 3));
+            let alone = SkinJob::new(skin, &palette).normals(Output::new(&mut normals, 3));
             alone.run().unwrap();
             assert_eq!(bits(&normals), bits(&whole[3 * v..6 * v]));
             if shape.tangents {
                 let mut tangents = vec![f32::NAN; 4 * v];
-                let mut alone =
-                    SkinJob::new(skin, &palette).tangents(Output::new(&mut tangents, 4));
+                let alone = SkinJob::new(skin, &palette).tangents(Output::new(&mut tangents, 4));
                 alone.run().unwrap();
                 assert_eq!(bits(&tangents), bits(&whole[6 * v..]));
             }

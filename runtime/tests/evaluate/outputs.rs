@@ -76,7 +76,7 @@ fn each_attribute_alone_has_the_same_bits() {
         for (start, len) in [(0, 3), (3 * v, 3), (6 * v, 4)] {
             let mut out = vec![f32::NAN; len * v];
             let (alone, own) = (SkinJob::new(skin, &palette), Output::new(&mut out, len));
-            let mut alone = match start / v {
+            let alone = match start / v {
                 0 => alone.positions(own),
                 3 => alone.normals(own),
                 _ => alone.tangents(own),

@@ -226,7 +226,7 @@ fn bounds_hold_every_shaped_and_posed_vertex() {
                 .map(|vertex| [vertex[0], vertex[1], vertex[2]])
                 .collect();
             let mut posed = vec![[0.0; 3]; VERTICES];
-            let mut job = SkinJob::new(skin, &palette)
+            let job = SkinJob::new(skin, &palette)
                 .rest_positions(&rest)
                 .positions(Output::new(posed.as_flattened_mut(), 3));
             job.run().unwrap();

@@ -273,7 +273,7 @@ fn read_skin(skin: Skin<'_>) -> Astray {
     let _ = skin.skin_positions(&palette, &mut vec![[0.0; 3]; v]);
     let (mut a, mut b) = (vec![0.0; 6 * v], vec![0.0; 4 * v]);
     let a = cells(&mut a);
-    let mut whole = SkinJob::new(skin, &palette)
+    let whole = SkinJob::new(skin, &palette)
         .positions(Output::shared(a, 6))
         .normals(Output::shared(a.get(3..).unwrap_or_default(), 6))
         .tangents(Some(Output::new(&mut b, 4)).filter(|_| skin.has_tangents()));

@@ -169,7 +169,7 @@ impl Backend for Cpu {
         let out = cells(out);
         for i in 0..n {
             let at = |attribute| output(out, attribute, i);
-            let mut job = SkinJob::new(loaded.skin, part(palettes, n, i))
+            let job = SkinJob::new(loaded.skin, part(palettes, n, i))
                 .vertices(skin.vertices.clone())
                 .positions(at(skin.positions))
                 .normals(at(skin.normals))

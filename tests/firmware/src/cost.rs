@@ -82,10 +82,10 @@ fn turned_skin(file: &[u8], memory: &mut Memory) -> Option<()> {
     let [positions, normals, tangents] =
         Output::interleaved(cut(&mut memory.skin, 10 * skin.vertex_len()), 10, [0, 3, 6]);
     let job = SkinJob::new(skin, palette);
-    let mut job = job.positions(black_box(Some(positions))).normals(black_box(Some(normals)));
+    let job = job.positions(black_box(Some(positions))).normals(black_box(Some(normals)));
     let mut sound = true;
     let skinning = instructions_of(|| sound &= job.run().is_ok());
-    let mut all = job.tangents(black_box(Some(tangents)));
+    let all = job.tangents(black_box(Some(tangents)));
     let stack = stack_of(&mut || sound &= all.run().is_ok());
     say!("normals skin_instructions {skinning}");
     say!("normals skin_stack {stack}");

@@ -47,7 +47,6 @@ pub fn whole(bytes: &[u8]) -> Option<Result<(), CallError>> {
         let job = job.normals(black_box(Some(normals))).tangents(black_box(Some(tangents)));
         #[cfg(not(feature = "normals"))]
         let _ = (normals, tangents);
-        let mut job = job;
         job.run()
     };
     Some(frame())

@@ -144,7 +144,11 @@ impl Frame {
         self.layout = Some(skin.layout());
         self.vertex_len = v;
         self.influence_len = skin.influence_len();
-        self.skin_scratch_len = skin.scratch_len();
+        // Cache lines at any address.
+        self.skin_scratch_len = match skin.scratch_len() {
+            0 => 0,
+            len => 16 * len + 15,
+        };
         self.range_len = skin.ranges().count();
         self.has_tangents = skin.has_tangents();
         self.has_coefficients = skin.has_coefficients();
@@ -226,7 +230,7 @@ impl Frame {
         if arguments.has_remap {
             job = job.remap(&self.remap);
         }
-        let mut job = job
+        let job = job
             .vertices(arguments.vertices.clone())
             .positions(positions)
             .normals(normals)
