@@ -4,32 +4,59 @@
 //! [`blend`](super::blend), so the bits are equal.
 
 use super::blend::Fours;
-use super::job::CacheLine;
 use super::output::{Output, put};
+use crate::error::{Argument, CallError};
 use crate::linear::{Le, Matrix3x4, floats};
 use core::cell::Cell;
 use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, prelude::*};
 
-/// Skins positions. `None` without scratch or vector units; then nothing is written.
-///
-/// - `scratch`: a cache line for each transform.
-/// - `rest`, `influences`: of the vertices of the range.
-pub(super) fn skin_positions(
-    palette: &[Matrix3x4],
-    scratch: &[Cell<CacheLine>],
-    rest: &[[Le; 3]],
-    influences: Fours<'_>,
-    out: &Output<'_>,
-) -> Option<()> {
-    let level = Level::try_detect().unwrap_or(Level::baseline());
-    let scratch = scratch.get(..palette.len()).filter(|_| !level.is_fallback())?;
-    for (out, [x, y, z]) in scratch.iter().zip(palette) {
-        let column = |c: usize| [x[c], y[c], z[c], 0.0];
-        let [x, y, z, shift] = [column(0), column(1), column(2), column(3)];
-        out.set(CacheLine([[x, y], [z, shift]]));
+/// A transform in the scratch of a job: a cache line with pairs of columns.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub struct CacheLine([[[f32; 4]; 2]; 2]);
+
+/// Scratch of a job, empty without.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Scratch<'a>(&'a [Cell<CacheLine>]);
+
+impl<'a> Scratch<'a> {
+    pub(super) fn new(lines: &'a mut [CacheLine]) -> Self {
+        Self(Cell::from_mut(lines).as_slice_of_cells())
     }
-    positions(level, scratch, rest, influences, out);
-    Some(())
+
+    /// Returns the cache lines of scratch for a palette.
+    pub(super) const fn least(palette_len: usize) -> usize {
+        palette_len
+    }
+
+    /// Refuses scratch that is too short for a palette.
+    pub(super) fn check(&self, palette_len: usize) -> Result<(), CallError> {
+        match self.0.len() {
+            0 => Ok(()),
+            len => Argument::Scratch.check_least(palette_len, len),
+        }
+    }
+
+    /// Skins positions. `None` without scratch or vector units; then nothing is written.
+    ///
+    /// - `rest`, `influences`: of the vertices of the range.
+    pub(super) fn positions(
+        &self,
+        palette: &[Matrix3x4],
+        rest: &[[Le; 3]],
+        influences: Fours<'_>,
+        out: &Output<'_>,
+    ) -> Option<()> {
+        let level = Level::try_detect().unwrap_or(Level::baseline());
+        let columns = self.0.get(..palette.len()).filter(|_| !level.is_fallback())?;
+        for (out, [x, y, z]) in columns.iter().zip(palette) {
+            let column = |c: usize| [x[c], y[c], z[c], 0.0];
+            let [x, y, z, shift] = [column(0), column(1), column(2), column(3)];
+            out.set(CacheLine([[x, y], [z, shift]]));
+        }
+        positions(level, columns, rest, influences, out);
+        Some(())
+    }
 }
 
 /// Skins positions. A loop ends early only if the bytes of the file have changed since loading.

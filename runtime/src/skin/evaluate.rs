@@ -4,7 +4,6 @@
 //! index that no checked file holds, instead of a panic.
 
 use super::blend::{Fours, Influences, along, moved};
-use super::columns::skin_positions as by_columns;
 use super::job::{Rest, SkinJob};
 use super::normals::{Frame, Vertex, cofactors, side, unit};
 use super::output::{Output, put};
@@ -62,8 +61,8 @@ impl SkinJob<'_> {
             (Some(out), None, None) if remap.is_none() && self.rest.positions.is_none() => {
                 let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
                 let fours = influences.by_four(vertices.clone());
-                let scratch = self.scratch;
-                let done = fours.and_then(|fours| by_columns(palette, scratch, rest, fours, out));
+                let done =
+                    fours.and_then(|fours| self.scratch.positions(palette, rest, fours, out));
                 if done.is_none() {
                     skin_positions_only(&skin, palette, vertices.clone(), out);
                 }

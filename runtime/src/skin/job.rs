@@ -1,10 +1,10 @@
 //! Job of the stage `skin`: the arguments and their checks.
 
+use super::columns::{CacheLine, Scratch};
 use super::output::{Output, Outputs, check_range};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::Matrix3x4;
-use core::cell::Cell;
 use core::ops::Range;
 
 /// Job that skins a range of vertices.
@@ -33,14 +33,8 @@ pub struct SkinJob<'a> {
     pub(super) positions: Option<Output<'a>>,
     pub(super) normals: Option<Output<'a>>,
     pub(super) tangents: Option<Output<'a>>,
-    /// Empty without scratch.
-    pub(super) scratch: &'a [Cell<CacheLine>],
+    pub(super) scratch: Scratch<'a>,
 }
-
-/// A transform in the scratch of a job: a cache line with pairs of columns.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
-pub struct CacheLine(pub(super) [[[f32; 4]; 2]; 2]);
 
 /// Rest mesh of the caller. The file's arrays replace missing arrays.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,7 +47,7 @@ pub(super) struct Rest<'a> {
 impl Skin<'_> {
     /// Returns the cache lines of scratch for [`SkinJob::scratch`]; 0 on firmware.
     pub const fn scratch_len(&self) -> usize {
-        if cfg!(target_os = "none") { 0 } else { self.palette_len() }
+        Scratch::least(self.palette_len())
     }
 }
 
@@ -64,7 +58,8 @@ impl<'a> SkinJob<'a> {
     pub fn new(skin: Skin<'a>, palette: &'a [Matrix3x4]) -> Self {
         let (vertices, remap, rest) = (None, None, Rest::default());
         let (positions, normals, tangents) = (None, None, None);
-        Self { skin, palette, vertices, remap, rest, positions, normals, tangents, scratch: &[] }
+        let scratch = Scratch::default();
+        Self { skin, palette, vertices, remap, rest, positions, normals, tangents, scratch }
     }
 
     /// Sets the range of vertices: of the remap if there is one, else of the skin. Jobs of different ranges can run at
@@ -126,7 +121,7 @@ impl<'a> SkinJob<'a> {
     /// Lends scratch, which makes positions faster: [`Skin::scratch_len`] cache lines of any content. The results are
     /// the same without scratch.
     pub fn scratch(self, scratch: &'a mut [CacheLine]) -> Self {
-        Self { scratch: Cell::from_mut(scratch).as_slice_of_cells(), ..self }
+        Self { scratch: Scratch::new(scratch), ..self }
     }
 
     /// Returns the range of vertices.
@@ -142,9 +137,7 @@ impl<'a> SkinJob<'a> {
         let outputs = [&self.positions, &self.normals, &self.tangents].map(Option::as_ref);
         let outputs = Outputs::new(outputs)?;
         Argument::Palette.check_len(self.skin.palette_len(), self.palette.len())?;
-        if !self.scratch.is_empty() {
-            Argument::Scratch.check_least(self.skin.scratch_len(), self.scratch.len())?;
-        }
+        self.scratch.check(self.palette.len())?;
         let Rest { positions, normals, tangents } = self.rest;
         for (argument, found) in [
             (Argument::RestPositions, positions.map(<[_]>::len)),

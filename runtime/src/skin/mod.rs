@@ -16,13 +16,14 @@ mod simd;
 mod view;
 
 pub use bounds::Bounds;
+pub use columns::CacheLine;
 pub(crate) use counts::RULES;
 #[cfg_attr(feature = "internals", visibility::make(pub))]
 pub(crate) use counts::{
     BLOCK, LENGTH_TOLERANCE, NO_ENVELOPE, SKIN_SECTIONS, SkinCounts, WEIGHT_SUM_TOLERANCE,
 };
 pub use counts::{NormalErrors, ShapeErrors};
-pub use job::{CacheLine, SkinJob};
+pub use job::SkinJob;
 pub use output::Output;
 #[cfg(feature = "shapes")]
 pub use shapes::ShapesJob;
