@@ -105,7 +105,8 @@ impl<T> Array<T> {
     pub(crate) fn aligned<U>(self) -> Array<U> {
         let bytes = self.len * size_of::<T>();
         let skipped = self.at.addr().wrapping_neg() % align_of::<U>();
-        let len = bytes.saturating_sub(skipped) / size_of::<U>();
+        // On firmware the values of scratch have no bytes.
+        let len = bytes.saturating_sub(skipped).checked_div(size_of::<U>()).unwrap_or(0);
         Array { at: self.at.wrapping_byte_add(skipped).cast(), len, argument: self.argument }
     }
 

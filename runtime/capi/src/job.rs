@@ -5,9 +5,9 @@ use crate::border::{self, Array, Span};
 use crate::envelope::sinew_matrix;
 use crate::error::{sinew_error, sinew_status};
 use crate::part;
-use crate::skin::sinew_skin;
+use crate::skin::{scratch_len, sinew_skin};
 use core::ffi::c_char;
-use sinew_runtime::skin::{Bounds, CacheLine, Output};
+use sinew_runtime::skin::{Bounds, Output};
 use sinew_runtime::{Matrix3x4, ShapesJob, Skin, SkinJob};
 
 /// Destination of an attribute. The i-th vertex *of the range* is written at `floats[i * stride]`. An
@@ -67,15 +67,6 @@ pub struct sinew_skin_job {
     pub scratch: *mut f32,
     /// Length of `scratch`; 0 without.
     pub scratch_len: usize,
-}
-
-/// Returns the floats of scratch of a job, from any address.
-pub(crate) const fn scratch_len(skin: &Skin<'_>) -> usize {
-    let line = size_of::<CacheLine>() / size_of::<f32>();
-    match skin.scratch_len() {
-        0 => 0,
-        len => line * len + line - 1,
-    }
 }
 
 /// An axis-aligned box in model space.

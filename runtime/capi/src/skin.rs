@@ -3,11 +3,11 @@
 use crate::argument::sinew_argument;
 use crate::border::{self, Array, Loaded};
 use crate::error::{SINEW_NO_PART, sinew_error, sinew_status};
-use crate::job;
 use crate::part::{self, Opened};
 use core::ffi::c_char;
 use core::ops::Range;
 use sinew_runtime::Skin;
+use sinew_runtime::skin::CacheLine;
 
 /// A mesh of V vertices that follows an envelope's palette. A skin without an envelope stays at rest.
 ///
@@ -91,6 +91,15 @@ pub struct sinew_range {
     pub end: usize,
 }
 
+/// Returns the floats of scratch of a job, from any address.
+pub(crate) const fn scratch_len(skin: &Skin<'_>) -> usize {
+    let line = size_of::<CacheLine>() / size_of::<f32>();
+    match skin.scratch_len() {
+        0 => 0,
+        len => line * len + line - 1,
+    }
+}
+
 /// Describes a skin.
 ///
 /// Returns `NULL`, `MISALIGNED`, `NOT_LOADED`, `STALE`, `OVERLAP`.
@@ -111,7 +120,7 @@ pub unsafe extern "C" fn sinew_skin_describe(
             palette_len: skin.palette_len(),
             range_len: skin.counts().range_len as usize,
             shape_len: skin.shape_len(),
-            scratch_len: job::scratch_len(&skin),
+            scratch_len: scratch_len(&skin),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
             normal_errors: skin.normal_errors().map_or([-1.0; 3], |errors| errors.figures()),
