@@ -120,7 +120,7 @@ pub unsafe extern "C" fn sinew_skin_describe(
             palette_len: skin.palette_len(),
             range_len: skin.counts().range_len as usize,
             shape_len: skin.shape_len(),
-            scratch_len: scratch_len(&skin),
+            scratch_len: scratch_len(skin),
             has_tangents: u32::from(skin.has_tangents()),
             has_coefficients: u32::from(skin.has_coefficients()),
             normal_errors: skin.normal_errors().map_or([-1.0; 3], |errors| errors.figures()),
