@@ -104,7 +104,8 @@ pub unsafe extern "C" fn sinew_skin_run(
         if let Some(scratch) = &scratch {
             scratch.check_least(scratch_len(&skin))?;
         }
-        let reads = [
+        // The job writes to the scratch, and reads the others.
+        let lent = [
             scratch.as_ref().map_or(Span::EMPTY, Array::span),
             own,
             model,
@@ -116,11 +117,11 @@ pub unsafe extern "C" fn sinew_skin_run(
             rest_normals.as_ref().map_or(Span::EMPTY, Array::span),
             rest_tangents.as_ref().map_or(Span::EMPTY, Array::span),
         ];
-        let [written, others @ ..] = &reads;
-        border::check_disjoint(&[*written], others)?;
+        let [scratch_span, reads @ ..] = &lent;
+        border::check_disjoint(&[*scratch_span], reads)?;
         let wanted = [job.positions, job.normals, job.tangents];
         // SAFETY: lent by the caller for this call.
-        let [positions, normals, tangents] = unsafe { outputs(wanted, &reads) }?;
+        let [positions, normals, tangents] = unsafe { outputs(wanted, &lent) }?;
         // SAFETY: lent by the caller; written memory overlaps none of it.
         unsafe {
             let mut own = SkinJob::new(skin, palette.read()).vertices(job.start..job.end);

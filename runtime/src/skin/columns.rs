@@ -54,23 +54,13 @@ impl<'a> Scratch<'a> {
             let [x, y, z, shift] = [column(0), column(1), column(2), column(3)];
             out.set(CacheLine([[x, y], [z, shift]]));
         }
-        positions(level, columns, rest, influences, out);
+        // The loops end early only if the bytes of the file have changed since loading.
+        if out.stride == 3 {
+            dispatch!(level, simd => packed(simd, columns, rest, influences, out));
+        } else {
+            dispatch!(level, simd => strided(simd, columns, rest, influences, out));
+        }
         Some(())
-    }
-}
-
-/// Skins positions. A loop ends early only if the bytes of the file have changed since loading.
-fn positions(
-    level: Level,
-    columns: &[Cell<CacheLine>],
-    rest: &[[Le; 3]],
-    influences: Fours<'_>,
-    out: &Output<'_>,
-) {
-    if out.stride == 3 {
-        dispatch!(level, simd => packed(simd, columns, rest, influences, out));
-    } else {
-        dispatch!(level, simd => strided(simd, columns, rest, influences, out));
     }
 }
 
@@ -129,9 +119,10 @@ fn moved<S: Simd>(
     for (index, weight) in indices.iter().zip(weights) {
         let CacheLine(columns) = columns.get(usize::from(u16::from_le_bytes(*index)))?.get();
         let weight = f32x8::splat(simd, f32::from_le_bytes(*weight));
-        let [first, second] = columns.map(|[a, b]| {
-            simd.combine_f32x4(f32x4::load_array(simd, a), f32x4::load_array(simd, b)) * weight
-        });
+        // Written out: `map` is not surely inlined, and would then compute without the level's instructions.
+        let [[a, b], [c, d]] = columns;
+        let first = f32x4::load_array(simd, a).combine(f32x4::load_array(simd, b)) * weight;
+        let second = f32x4::load_array(simd, c).combine(f32x4::load_array(simd, d)) * weight;
         sums = Some(match sums {
             Some([a, b]) => [a + first, b + second],
             None => [first, second],

@@ -4,6 +4,7 @@
 //! index that no checked file holds, instead of a panic.
 
 use super::blend::{Fours, Influences, along, moved};
+use super::columns::Scratch;
 use super::job::{Rest, SkinJob};
 use super::normals::{Frame, Vertex, cofactors, side, unit};
 use super::output::{Output, put};
@@ -34,7 +35,7 @@ impl Skin<'_> {
         let out = Output::new(out_positions.as_flattened_mut(), 3);
         Argument::Palette.check_len(self.palette_len(), palette.len())?;
         out.check(vertices.len(), 3, Argument::Positions)?;
-        skin_positions_only(self, palette, vertices, &out);
+        skin_positions_only(self, palette, vertices, &out, Scratch::default());
         Ok(())
     }
 }
@@ -59,13 +60,7 @@ impl SkinJob<'_> {
         let influences = Influences::new(&skin, palette);
         match (&self.positions, &self.normals, &self.tangents) {
             (Some(out), None, None) if remap.is_none() && self.rest.positions.is_none() => {
-                let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
-                let fours = influences.by_four(vertices.clone());
-                let done =
-                    fours.and_then(|fours| self.scratch.positions(palette, rest, fours, out));
-                if done.is_none() {
-                    skin_positions_only(&skin, palette, vertices.clone(), out);
-                }
+                skin_positions_only(&skin, palette, vertices.clone(), out, self.scratch);
                 return Ok(());
             }
             _ => {}
@@ -223,10 +218,14 @@ fn skin_positions_only(
     palette: &[Matrix3x4],
     vertices: Range<usize>,
     out: &Output<'_>,
+    scratch: Scratch<'_>,
 ) {
     let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
     let influences = Influences::new(skin, palette);
     if let Some((indices, weights)) = influences.by_four(vertices.clone()) {
+        if scratch.positions(palette, rest, (indices, weights), out).is_some() {
+            return;
+        }
         // Chunks are faster on the targets of this path, and slower on small processors. The stride is checked to be
         // at least 3; chunks of 0 would panic.
         let chunks = out.floats.chunks(out.stride.max(1));

@@ -339,23 +339,20 @@ fn an_output_over_an_input_is_refused() {
         }
         // Scratch overlaps neither memory that the job reads nor an output.
         let job = with(0, output(&mut out, 4));
-        let scratch_len = skin.info().scratch_len;
+        let scratched = |scratch, scratch_len| run(sinew_skin_job { scratch, scratch_len, ..job });
+        let len = skin.info().scratch_len;
         for scratch in reads {
-            let unsound = sinew_skin_job { scratch, scratch_len, ..job };
-            assert_eq!(run(unsound), (sinew_status::Overlap, sinew_argument::Scratch));
+            assert_eq!(scratched(scratch, len), (sinew_status::Overlap, sinew_argument::Scratch));
         }
-        let scratch = job.positions.floats;
-        let unsound = sinew_skin_job { scratch, scratch_len, ..job };
-        assert_eq!(run(unsound), (sinew_status::Overlap, sinew_argument::Positions));
-        let unsound = sinew_skin_job { scratch: null_mut(), scratch_len, ..job };
-        assert_eq!(run(unsound), (sinew_status::Null, sinew_argument::Scratch));
-        let mut scratch = vec![0.0; scratch_len];
-        for scratch_len in [0, scratch_len - 1] {
-            let unsound = sinew_skin_job { scratch: scratch.as_mut_ptr(), scratch_len, ..job };
-            assert_eq!(run(unsound), (sinew_status::TooShort, sinew_argument::Scratch));
+        let refused = scratched(job.positions.floats, len);
+        assert_eq!(refused, (sinew_status::Overlap, sinew_argument::Positions));
+        assert_eq!(scratched(null_mut(), len), (sinew_status::Null, sinew_argument::Scratch));
+        let mut scratch = vec![0.0; len];
+        for short in [0, len - 1] {
+            let refused = scratched(scratch.as_mut_ptr(), short);
+            assert_eq!(refused, (sinew_status::TooShort, sinew_argument::Scratch));
         }
-        let sound = sinew_skin_job { scratch: scratch.as_mut_ptr(), scratch_len, ..job };
-        assert_eq!(run(sound).0, sinew_status::Ok);
+        assert_eq!(scratched(scratch.as_mut_ptr(), len).0, sinew_status::Ok);
     });
 }
 
