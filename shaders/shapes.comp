@@ -89,17 +89,17 @@ void main() {
     }
 
     if (params.positions_offset != NONE) {
-        precise vec3 place = blob_vec3(params.rest_positions + 3u * vertex) + offset;
+        precise vec3 place = vertex_vec3(params.rest_positions, 3u, vertex) + offset;
         uint at = params.positions_offset + instance * params.positions_instance_stride;
         put(at + i * params.positions_stride, place);
     }
     if (!tilts) {
         return;
     }
-    vec3 normal = blob_vec3(params.rest_normals + 3u * vertex);
+    vec3 normal = vertex_vec3(params.rest_normals, 3u, vertex);
     vec4 tangent = vec4(0.0);
     if (params.rest_tangents != NONE) {
-        tangent = blob_vec4(params.rest_tangents + 4u * vertex);
+        tangent = vertex_vec4(params.rest_tangents, vertex);
     }
     if (params.normals_offset != NONE) {
         Frame frame;

@@ -87,16 +87,16 @@ fn main(
 
     if params.positions_offset != NONE {
         let at = params.positions_offset + instance * params.positions_instance_stride;
-        let place = blob_vec3(params.rest_positions + 3u * vertex) + offset;
+        let place = vertex_vec3(params.rest_positions, 3u, vertex) + offset;
         put(at + i * params.positions_stride, place);
     }
     if !tilts {
         return;
     }
-    let normal = blob_vec3(params.rest_normals + 3u * vertex);
+    let normal = vertex_vec3(params.rest_normals, 3u, vertex);
     var tangent = vec4<f32>(0.0);
     if params.rest_tangents != NONE {
-        tangent = blob_vec4(params.rest_tangents + 4u * vertex);
+        tangent = vertex_vec4(params.rest_tangents, vertex);
     }
     if params.normals_offset != NONE {
         var frame: Frame;

@@ -24,7 +24,7 @@ vec3 host_vec3(uint word) {
 // Rest position of a vertex: from the host's mesh if there is one, else from the file.
 vec3 rest_position(uint instance, uint vertex) {
     if (params.host_positions_offset == NONE) {
-        return blob_vec3(params.rest_positions + 3u * vertex);
+        return vertex_vec3(params.rest_positions, 3u, vertex);
     }
     uint first = params.host_positions_offset + instance * params.host_positions_stride;
     return host_vec3(first + 3u * vertex);
@@ -32,7 +32,7 @@ vec3 rest_position(uint instance, uint vertex) {
 
 vec3 rest_normal(uint instance, uint vertex) {
     if (params.host_normals_offset == NONE) {
-        return blob_vec3(params.rest_normals + 3u * vertex);
+        return vertex_vec3(params.rest_normals, 3u, vertex);
     }
     uint first = params.host_normals_offset + instance * params.host_normals_stride;
     return host_vec3(first + 3u * vertex);
@@ -41,7 +41,7 @@ vec3 rest_normal(uint instance, uint vertex) {
 // Rest tangent: a direction, then the handedness.
 vec4 rest_tangent(uint instance, uint vertex) {
     if (params.host_tangents_offset == NONE) {
-        return blob_vec4(params.rest_tangents + 4u * vertex);
+        return vertex_vec4(params.rest_tangents, vertex);
     }
     uint at = params.host_tangents_offset + instance * params.host_tangents_stride + 4u * vertex;
     return vec4(host_vec3(at), uintBitsToFloat(host[at + 3u]));
@@ -69,8 +69,13 @@ float mirror(uint palette) {
 
 // Index of the first row of the transform for a vertex's k-th influence.
 uint transform_of(uint palette, uint vertex, uint k) {
-    uint influence = vertex * params.influence_len + k;
+    uint influence = word_of(0u, params.influence_len, vertex, k);
     return palette + 3u * blob_half(params.influence_indices, influence);
+}
+
+// Weight of a vertex's k-th influence.
+float weight_of(uint vertex, uint k) {
+    return blob_float(word_of(params.influence_weights, params.influence_len, vertex, k));
 }
 
 // Image of a point under a transform.
@@ -85,16 +90,19 @@ vec3 transformed(uint at, vec3 point) {
     return place;
 }
 
-// Correction of the skinned frame by tangent coefficients: sums of g (y - y_last) and h (y -
-// y_last), where y are the images of the vertex under its transforms.
+// Correction of the skinned frame by tangent coefficients: sums of g (y - y_first) and h (y -
+// y_first), where y are the images of the vertex under its transforms.
 Frame corrected_frame(uint palette, uint vertex, vec3 rest) {
     uint others = params.influence_len - 1u;
-    vec3 last = transformed(transform_of(palette, vertex, others), rest);
-    precise vec3 g = vec3(-0.0);
-    precise vec3 h = vec3(-0.0);
+    vec3 first = transformed(transform_of(palette, vertex, 0u), rest);
+    precise vec3 g = vec3(0.0);
+    precise vec3 h = vec3(0.0);
     for (uint k = 0u; k < others; k++) {
-        uint word = blob[params.tangent_coefficients + vertex * others + k];
-        precise vec3 difference = transformed(transform_of(palette, vertex, k), rest) - last;
+        uint word = blob[word_of(params.tangent_coefficients, others, vertex, k)];
+        if (word == 0u) {
+            continue;
+        }
+        precise vec3 difference = transformed(transform_of(palette, vertex, k + 1u), rest) - first;
         g += difference * half_float(word << 16u);
         h += difference * half_float(word);
     }
@@ -106,7 +114,7 @@ vec3 turned_by_strongest(uint palette, uint vertex, vec3 normal) {
     float most = -1.0;
     uint strongest = 0u;
     for (uint k = 0u; k < params.influence_len; k++) {
-        float weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        float weight = weight_of(vertex, k);
         if (weight > most) {
             most = weight;
             strongest = k;
@@ -136,7 +144,7 @@ void main() {
     precise vec4 row_y = vec4(0.0);
     precise vec4 row_z = vec4(0.0);
     for (uint k = 0u; k < params.influence_len; k++) {
-        float weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        float weight = weight_of(vertex, k);
         uint at = transform_of(palette, vertex, k);
         row_x += palettes[at] * weight;
         row_y += palettes[at + 1u] * weight;
@@ -161,7 +169,7 @@ void main() {
     Frame sums = frame;
     if (has_coefficients) {
         if (params.rest_tangents == NONE) {
-            frame = frame_of_normal(normal, blob_float(params.rest_normals + 3u * vertex + 2u));
+            frame = frame_of_normal(normal, blob_float(word_of(params.rest_normals, 3u, vertex, 2u)));
         } else {
             frame = frame_of_tangent(normal, rest_tangent(instance, vertex).xyz);
         }

@@ -11,7 +11,7 @@ fn host_vec3(word: u32) -> vec3<f32> {
 // Rest position of a vertex: from the host's mesh if there is one, else from the file.
 fn rest_position(instance: u32, vertex: u32) -> vec3<f32> {
     if params.host_positions_offset == NONE {
-        return blob_vec3(params.rest_positions + 3u * vertex);
+        return vertex_vec3(params.rest_positions, 3u, vertex);
     }
     let first = params.host_positions_offset + instance * params.host_positions_stride;
     return host_vec3(first + 3u * vertex);
@@ -19,7 +19,7 @@ fn rest_position(instance: u32, vertex: u32) -> vec3<f32> {
 
 fn rest_normal(instance: u32, vertex: u32) -> vec3<f32> {
     if params.host_normals_offset == NONE {
-        return blob_vec3(params.rest_normals + 3u * vertex);
+        return vertex_vec3(params.rest_normals, 3u, vertex);
     }
     let first = params.host_normals_offset + instance * params.host_normals_stride;
     return host_vec3(first + 3u * vertex);
@@ -28,7 +28,7 @@ fn rest_normal(instance: u32, vertex: u32) -> vec3<f32> {
 // Rest tangent: a direction, then the handedness.
 fn rest_tangent(instance: u32, vertex: u32) -> vec4<f32> {
     if params.host_tangents_offset == NONE {
-        return blob_vec4(params.rest_tangents + 4u * vertex);
+        return vertex_vec4(params.rest_tangents, vertex);
     }
     let at = params.host_tangents_offset + instance * params.host_tangents_stride + 4u * vertex;
     return vec4<f32>(host_vec3(at), bitcast<f32>(host[at + 3u]));
@@ -55,8 +55,13 @@ fn mirror(palette: u32) -> f32 {
 
 // Index of the first row of the transform for a vertex's k-th influence.
 fn transform_of(palette: u32, vertex: u32, k: u32) -> u32 {
-    let influence = vertex * params.influence_len + k;
+    let influence = word_of(0u, params.influence_len, vertex, k);
     return palette + 3u * blob_half(params.influence_indices, influence);
+}
+
+// Weight of a vertex's k-th influence.
+fn weight_of(vertex: u32, k: u32) -> f32 {
+    return blob_float(word_of(params.influence_weights, params.influence_len, vertex, k));
 }
 
 // Image of a point under a transform.
@@ -70,16 +75,19 @@ fn transformed(at: u32, point: vec3<f32>) -> vec3<f32> {
     return along(x, y, z, point) + vec3<f32>(a.w, b.w, c.w);
 }
 
-// Correction of the skinned frame by tangent coefficients: sums of g (y - y_last) and h (y -
-// y_last), where y are the images of the vertex under its transforms.
+// Correction of the skinned frame by tangent coefficients: sums of g (y - y_first) and h (y -
+// y_first), where y are the images of the vertex under its transforms.
 fn corrected_frame(palette: u32, vertex: u32, rest: vec3<f32>) -> Frame {
     let others = params.influence_len - 1u;
-    let last = transformed(transform_of(palette, vertex, others), rest);
-    var g = vec3<f32>(-0.0);
-    var h = vec3<f32>(-0.0);
+    let first = transformed(transform_of(palette, vertex, 0u), rest);
+    var g = vec3<f32>(0.0);
+    var h = vec3<f32>(0.0);
     for (var k = 0u; k < others; k++) {
-        let word = blob[params.tangent_coefficients + vertex * others + k];
-        let difference = transformed(transform_of(palette, vertex, k), rest) - last;
+        let word = blob[word_of(params.tangent_coefficients, others, vertex, k)];
+        if word == 0u {
+            continue;
+        }
+        let difference = transformed(transform_of(palette, vertex, k + 1u), rest) - first;
         g += difference * half_float(word << 16u);
         h += difference * half_float(word);
     }
@@ -91,7 +99,7 @@ fn turned_by_strongest(palette: u32, vertex: u32, normal: vec3<f32>) -> vec3<f32
     var most = -1.0;
     var strongest = 0u;
     for (var k = 0u; k < params.influence_len; k++) {
-        let weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        let weight = weight_of(vertex, k);
         if weight > most {
             most = weight;
             strongest = k;
@@ -128,7 +136,7 @@ fn main(
     var row_y = vec4<f32>(0.0);
     var row_z = vec4<f32>(0.0);
     for (var k = 0u; k < params.influence_len; k++) {
-        let weight = blob_float(params.influence_weights + vertex * params.influence_len + k);
+        let weight = weight_of(vertex, k);
         let at = transform_of(palette, vertex, k);
         row_x += palettes[at] * weight;
         row_y += palettes[at + 1u] * weight;
@@ -153,7 +161,7 @@ fn main(
     var sums: Frame;
     if has_coefficients {
         if params.rest_tangents == NONE {
-            frame = frame_of_normal(normal, blob_float(params.rest_normals + 3u * vertex + 2u));
+            frame = frame_of_normal(normal, blob_float(word_of(params.rest_normals, 3u, vertex, 2u)));
         } else {
             frame = frame_of_tangent(normal, rest_tangent(instance, vertex).xyz);
         }

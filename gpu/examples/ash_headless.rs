@@ -15,7 +15,7 @@ use sinew_runtime::{
 use std::error::Error;
 
 const INSTANCES: usize = 3;
-const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-10-kernel.snw");
+const GOLDEN: &[u8] = include_bytes!("../../tests/golden/envelope-11-kernel.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let bytes = match std::env::args_os().nth(1) {

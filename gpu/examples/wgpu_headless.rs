@@ -11,7 +11,7 @@ use std::error::Error;
 use wgpu::{BufferDescriptor, BufferUsages as Usage, CommandEncoderDescriptor};
 
 const INSTANCES: usize = 3;
-const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-10-kernel.snw");
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/envelope-11-kernel.snw");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);

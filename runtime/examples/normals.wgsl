@@ -3,8 +3,8 @@
 //
 // - normal, tangent: directions at rest; the tangent is 0 in a mesh without tangents.
 // - blended: 3x3 of the sum of the weighted transforms.
-// - moved: the vertex, moved by each of its transforms; a skin with fewer than four influences repeats the last one.
-// - coefficients: of the first three influences, from `Skin::tangent_coefficients`; 0 where it lists fewer.
+// - moved: the vertex, moved by each of its transforms; any if a skin has fewer.
+// - coefficients: of the second to fourth influences, from `Skin::tangent_coefficients`; 0 where it lists fewer.
 // - side: -1 if the palette's first transform mirrors, so if its determinant is negative; else 1.
 fn skinned_normal(
     normal: vec3<f32>,
@@ -25,7 +25,7 @@ fn skinned_normal(
     u = blended * u;
     v = blended * v;
     for (var l = 0; l < 3; l++) {
-        let apart = moved[l] - moved[3];
+        let apart = moved[l + 1] - moved[0];
         u += coefficients[l].x * apart;
         v += coefficients[l].y * apart;
     }

@@ -27,7 +27,6 @@ pub(crate) type Lanes = [f32; 8];
 /// scalar.
 pub(crate) trait Real:
     Copy
-    + From<f32>
     + Neg<Output = Self>
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -37,6 +36,9 @@ pub(crate) trait Real:
     + Sub<f32, Output = Self>
     + Mul<f32, Output = Self>
 {
+    /// Returns a number in every lane of the register type of `self`.
+    fn splat(self, x: f32) -> Self;
+
     /// Returns the correctly rounded square root of `self >= 0`.
     fn square_root(self) -> Self;
 
@@ -70,12 +72,17 @@ pub(crate) const HALF_KEPT: u32 = 0x8fff_e000;
 pub(crate) const HALF_SCALE: f32 = f32::from_bits((127 + 127 - 15) << EXPONENT);
 
 /// Position of the exponent's lowest bit in a float.
-const EXPONENT: u32 = 23;
+pub(crate) const EXPONENT: u32 = 23;
 /// The bits of √(1/2).
 #[cfg(feature = "kernel")]
-const ROOT_HALF: i32 = 0x3f35_04f3;
+pub(crate) const ROOT_HALF: i32 = 0x3f35_04f3;
 
 impl Real for f32 {
+    #[inline(always)]
+    fn splat(self, x: f32) -> Self {
+        x
+    }
+
     #[inline(always)]
     fn square_root(self) -> Self {
         Lanes::square_root_alone(self)
@@ -128,24 +135,6 @@ impl From<[f32; 8]> for Register {
     #[inline(always)]
     fn from(x: [f32; 8]) -> Self {
         Self(cast(x))
-    }
-}
-
-impl Register {
-    /// Returns the floats in order.
-    #[inline(always)]
-    pub(crate) fn to_array(self) -> [f32; 8] {
-        cast(self.0)
-    }
-
-    /// Decodes two half-precision numbers from each of 8 words, lower halves first, as
-    /// [`halves`](crate::numeric::halves) does.
-    #[inline(always)]
-    pub(crate) fn halves(words: [u32; 8]) -> [Self; 2] {
-        const KEPT: i32x8 = i32x8::new([HALF_KEPT as i32; 8]);
-        let words: i32x8 = cast(words);
-        let single = |high: i32x8| Self(cast((high >> 3) & KEPT)) * HALF_SCALE;
-        [single(words << 16), single(words)]
     }
 }
 
@@ -211,6 +200,11 @@ impl SubAssign for Register {
 
 impl Real for Register {
     #[inline(always)]
+    fn splat(self, x: f32) -> Self {
+        Self::from(x)
+    }
+
+    #[inline(always)]
     fn square_root(self) -> Self {
         Self(self.0.sqrt())
     }
@@ -253,10 +247,6 @@ impl Real for Register {
 
 /// Eight floats, readable from a file.
 pub(crate) trait Eight {
-    /// Whether the floats are in a SIMD register. Without one, operations on [`Register`] may round
-    /// differently.
-    const IN_REGISTERS: bool;
-
     /// Returns the square root of one float, computed by the unit that computes eight.
     fn square_root_alone(x: f32) -> f32;
 
@@ -268,8 +258,6 @@ pub(crate) trait Eight {
 }
 
 impl Eight for [f32; 8] {
-    const IN_REGISTERS: bool = false;
-
     #[inline]
     fn square_root_alone(x: f32) -> f32 {
         libm::sqrtf(x)
@@ -287,8 +275,6 @@ impl Eight for [f32; 8] {
 }
 
 impl Eight for [Register; 1] {
-    const IN_REGISTERS: bool = true;
-
     #[inline(always)]
     fn square_root_alone(x: f32) -> f32 {
         // libm's square root uses SSE encoding, which costs hundreds of cycles between AVX
@@ -325,7 +311,6 @@ pub(crate) fn in_lanes<R: Real, const N: usize>(mut x: [R; N], f: impl Fn(R) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numeric::halves;
 
     const NUMBERS: [f32; 8] =
         [0.0, -0.0, 1.0, -1.5, f32::MIN_POSITIVE, f32::INFINITY, f32::NAN, 0.7];
@@ -387,19 +372,10 @@ mod tests {
     }
 
     #[test]
-    fn signs_and_halves_have_the_bits_of_one() {
+    fn signs_have_the_bits_of_one() {
         // The sign of a NaN is arbitrary; the comparison canonicalises NaNs.
         assert!(agree(|a, b| a.with_sign_of(b), f32::copysign));
         assert!(!agree(|a, b| a.with_sign_of(b), |a, _| a), "the measure sees");
-        // Both halves of a word, over every bit pattern that a file may hold.
-        let is_sound = |half: &u32| !matches!(half & 0x7fff, 1..0x400 | 0x7c00..);
-        for half in (0..=0xffff).filter(is_sound) {
-            let word = half << 16 | (0xbc00 ^ half & 0x8000);
-            let [low, high] = Register::halves([word; 8]).map(Register::to_array);
-            let [alone_low, alone_high] = halves(word);
-            assert_eq!(low.map(f32::to_bits), [alone_low.to_bits(); 8]);
-            assert_eq!(high.map(f32::to_bits), [alone_high.to_bits(); 8]);
-        }
     }
 
     #[test]

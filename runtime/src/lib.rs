@@ -66,6 +66,8 @@ pub mod record;
 pub mod skin;
 #[cfg(feature = "internals")]
 pub mod stages;
+#[cfg(not(target_os = "none"))]
+mod vectors;
 #[cfg(feature = "views")]
 pub mod views;
 

@@ -84,8 +84,8 @@ pub(crate) const EXP_MAX: f32 = 87.0;
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn exp_negative<R: Real>(a: R) -> R {
-    let a = lesser(R::from(EXP_MAX), a);
-    let rounded = R::from(ROUND) - a * core::f32::consts::LOG2_E;
+    let a = lesser(a.splat(EXP_MAX), a);
+    let rounded = a.splat(ROUND) - a * core::f32::consts::LOG2_E;
     let k = rounded - ROUND;
     let r = (-a - k * LN_2_0) - k * LN_2_1;
     let tail = r * (r * 1.382_094_7e-3 + 8.368_684e-3) + 0.041_668_266;
@@ -101,7 +101,7 @@ pub(crate) fn one_minus_exp_negative<R: Real>(a: R) -> R {
     // Above ln 2 the difference from 1 loses no accuracy.
     let tail = a * (a * (a * 1.465_846_3e-4 - 1.341_553e-3) + 8.311_225e-3) - 0.041_661_285;
     let near = a * a * (a * (a * tail + 0.166_666_03) - 0.499_999_97) + a;
-    a.where_less(R::from(core::f32::consts::LN_2), || near, || R::from(1.0) - exp_negative(a))
+    a.where_less(a.splat(core::f32::consts::LN_2), || near, || a.splat(1.0) - exp_negative(a))
 }
 
 /// Returns the natural logarithm of `x >= 0`. Below the least normal number it returns that
@@ -113,7 +113,7 @@ pub(crate) fn one_minus_exp_negative<R: Real>(a: R) -> R {
 #[cfg_attr(not(target_os = "none"), inline(always))]
 #[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn ln<R: Real>(x: R) -> R {
-    let (k, mantissa) = greater(x, R::from(f32::MIN_POSITIVE)).exponent_and_mantissa();
+    let (k, mantissa) = greater(x, x.splat(f32::MIN_POSITIVE)).exponent_and_mantissa();
     let f = mantissa - 1.0;
     let square = f * f;
     let tail = f * (f * (f * -0.076_363_62 + 0.127_621_43) - 0.131_595_98) + 0.142_015_86;
@@ -126,10 +126,10 @@ pub(crate) fn ln<R: Real>(x: R) -> R {
 /// on, and a quintic step between (METHOD §2.6). NaN counts as far.
 #[inline(always)]
 pub(crate) fn nearness<R: Real>(s: R, (start, end): (f32, f32)) -> R {
-    let last = R::from(end);
-    let left = s.where_less(last, || last - s, || R::from(0.0));
-    let u = left / R::from(end - start);
-    smoothstep(lesser(R::from(1.0), u))
+    let last = s.splat(end);
+    let left = s.where_less(last, || last - s, || s.splat(0.0));
+    let u = left / s.splat(end - start);
+    smoothstep(lesser(u.splat(1.0), u))
 }
 
 /// Returns `u³ (10 - 15 u + 6 u²)` of `0 <= u <= 1`, in [0, 1]: 0 at 0, 1 at 1, flat at both.
@@ -137,9 +137,9 @@ pub(crate) fn nearness<R: Real>(s: R, (start, end): (f32, f32)) -> R {
 /// Written in v = 1 - u, which makes every term positive. Error: 4e-7 of the value.
 #[inline(always)]
 pub(crate) fn smoothstep<R: Real>(u: R) -> R {
-    let v = R::from(1.0) - u;
+    let v = u.splat(1.0) - u;
     let step = u * u * u * (v * (v * 6.0 + 3.0) + 1.0);
-    lesser(R::from(1.0), step)
+    lesser(step.splat(1.0), step)
 }
 
 /// Returns the arc tangent of `0 <= z <= 1`.

@@ -46,7 +46,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "rotational",
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-10-rotational.snw"),
+        file: include_bytes!("envelope-11-rotational.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -54,7 +54,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
             0xe00f_aad0_a34d_6eea,
             0,
             0x4cbe_b5e8_df9b_9055,
-            0xf762_fb2e_2bd0_d6a0,
+            0x77f4_986f_3187_1df9,
             0x6d26_a0d8_2bfc_0717,
             0,
         ],
@@ -62,7 +62,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "kernel",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-10-kernel.snw"),
+        file: include_bytes!("envelope-11-kernel.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -78,7 +78,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "rotational that stretches",
         predictor: Predictor::Rotational,
-        file: include_bytes!("envelope-10-stretch-rotational.snw"),
+        file: include_bytes!("envelope-11-stretch-rotational.snw"),
         bits: [
             0x7f86_2534_1c7e_685e,
             0x0a4f_a87a_737f_321a,
@@ -86,7 +86,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
             0x5c91_1e72_934f_9064,
             0,
             0x2586_2591_012d_f3bc,
-            0x7547_d093_5c1d_c7a8,
+            0xd4b2_161e_91be_d7e6,
             0xc2ea_6e20_2328_0ce5,
             0,
         ],
@@ -94,7 +94,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "kernel that stretches",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-10-stretch.snw"),
+        file: include_bytes!("envelope-11-stretch.snw"),
         bits: [
             0x7f86_2534_1c7e_685e,
             0x0a4f_a87a_737f_321a,
@@ -111,7 +111,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "kernel with helpers of kind trs",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-10-trs.snw"),
+        file: include_bytes!("envelope-11-trs.snw"),
         bits: [
             0x7f86_2534_1c7e_685e,
             0x0a4f_a87a_737f_321a,
@@ -128,7 +128,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "kernel with rigid helpers",
         predictor: Predictor::Kernel,
-        file: include_bytes!("envelope-10-rigid.snw"),
+        file: include_bytes!("envelope-11-rigid.snw"),
         bits: [
             0x97d3_d7f7_0f77_bf91,
             0,
@@ -144,7 +144,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "tangents",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-10-tangents.snw"),
+        file: include_bytes!("skin-11-tangents.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -152,7 +152,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
             0x8d6c_ffdd_2431_e4fa,
             0xa510_c250_0cb1_ed06,
             0x8366_8516_c602_8cf2,
-            0x2406_a6f2_0c21_8328,
+            0x9e2e_7327_51a0_c76b,
             0x7f65_ad78_652d_ea0e,
             0,
         ],
@@ -160,7 +160,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "normals",
         predictor: Predictor::Kernel,
-        file: include_bytes!("skin-10-normals.snw"),
+        file: include_bytes!("skin-11-normals.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -168,7 +168,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
             0x8d6c_ffdd_2431_e4fa,
             0xa510_c250_0cb1_ed06,
             0x8366_8516_c602_8cf2,
-            0xb22e_35d2_bbd1_0101,
+            0x2b69_f1d6_0dd4_b231,
             0xd7d8_9f21_efde_1b5d,
             0,
         ],
@@ -176,7 +176,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "shapes of f32",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-10-f32.snw"),
+        file: include_bytes!("shapes-11-f32.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -184,7 +184,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
             0x8d6c_ffdd_2431_e4fa,
             0xa510_c250_0cb1_ed06,
             0x8366_8516_c602_8cf2,
-            0x2bf6_7a44_883a_8c8a,
+            0x8a46_8260_9bb7_88b8,
             0x4ba0_7a4b_8d27_8ac3,
             0xf551_f27f_93f9_7f2f,
         ],
@@ -192,7 +192,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "shapes of f16",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-10-f16.snw"),
+        file: include_bytes!("shapes-11-f16.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,
@@ -208,7 +208,7 @@ pub(crate) const GOLDEN: [Golden; 9 + 2 * cfg!(feature = "trs") as usize] = [
     Golden {
         name: "shapes of i8",
         predictor: Predictor::Kernel,
-        file: include_bytes!("shapes-10-i8.snw"),
+        file: include_bytes!("shapes-11-i8.snw"),
         bits: [
             0x6d8f_7764_86bf_b108,
             0,

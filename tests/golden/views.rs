@@ -7,7 +7,7 @@ use sinew_runtime::{CallError, Frame, FrameJob, Model, RenderJob, Views};
 
 /// Files of an object that is not transferred, and of a transferred object.
 pub(crate) const VIEWS: [&[u8]; 2] =
-    [include_bytes!("views-10.snw"), include_bytes!("views-10-transferred.snw")];
+    [include_bytes!("views-11.snw"), include_bytes!("views-11-transferred.snw")];
 
 /// Hash of each object, the promise of METHOD §7: change these only with a reason that the commit
 /// states.

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 /// First bytes of every file.
 pub const MAGIC: [u8; 4] = *b"SNEW";
 /// Format version that this crate reads and that the trainer writes.
-pub const VERSION: u8 = 10;
+pub const VERSION: u8 = 11;
 /// Feature bits that a reader must know; this version has none.
 pub const FEATURES: u32 = 0;
 /// Alignment of sections and the blob, in bytes.

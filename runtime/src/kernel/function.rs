@@ -140,15 +140,15 @@ impl Kernel {
             Self::Cubic => in_lanes(s, |s| s * sqrt(s)),
             Self::Quintic => in_lanes(s, |s| -(s * s * sqrt(s))),
             Self::Multiquadric => in_lanes(s, |s| -sqrt(s + 1.0)),
-            Self::InverseMultiquadric => in_lanes(s, |s| R::from(1.0) / sqrt(s + 1.0)),
-            Self::InverseQuadratic => in_lanes(s, |s| R::from(1.0) / (s + 1.0)),
+            Self::InverseMultiquadric => in_lanes(s, |s| s.splat(1.0) / sqrt(s + 1.0)),
+            Self::InverseQuadratic => in_lanes(s, |s| s.splat(1.0) / (s + 1.0)),
             Self::Gaussian => GroupKernel::Gaussian.values(s),
             Self::Matern12 => GroupKernel::Matern12.values(s),
             Self::Matern32 => GroupKernel::Matern32.values(s),
             Self::Matern52 => GroupKernel::Matern52.values(s),
             Self::Wendland { l } => in_lanes(s, |s| {
-                let r = lesser(sqrt(s), R::from(1.0));
-                let left = R::from(1.0) - r;
+                let r = lesser(sqrt(s), s.splat(1.0));
+                let left = r.splat(1.0) - r;
                 power(left, l) * left * (r * (f32::from(l) + 1.0) + 1.0)
             }),
             Self::Hat { power } => in_lanes(s, |s| {
@@ -158,8 +158,8 @@ impl Kernel {
                     3 => s * r,
                     _ => s * s * r,
                 };
-                let edge = R::from(1.0);
-                r.where_less(edge, || edge - fallen, || R::from(0.0))
+                let edge = r.splat(1.0);
+                r.where_less(edge, || edge - fallen, || r.splat(0.0))
             }),
         }
     }

@@ -1,22 +1,19 @@
 //! Blending: from a palette to the transform of a vertex, and the transform of vectors.
 
-use super::view::Skin;
-use crate::linear::{Le, Matrix3x4};
-use core::iter;
-use core::ops::Range;
+use super::view::{EIGHT, Row, Skin, rows_of};
+use crate::linear::Matrix3x4;
 use glam::{Mat4, Vec4};
 
 /// Influences of all vertices, and the palette.
 pub(super) struct Influences<'a> {
     palette: &'a [Matrix3x4],
-    indices: &'a [[u8; 2]],
-    weights: &'a [Le],
+    /// K rows for each block of vertices.
+    indices: &'a [[[u8; 2]; EIGHT]],
+    /// K rows for each block of vertices.
+    weights: &'a [Row],
     /// Number of influences of a vertex, K; 0 without an envelope.
     len: usize,
 }
-
-/// Indices and weights of vertices with four influences each.
-pub(super) type Fours<'a> = (&'a [[[u8; 2]; 4]], &'a [[Le; 4]]);
 
 #[cfg(feature = "prior")]
 impl Skin<'_> {
@@ -42,47 +39,20 @@ impl<'a> Influences<'a> {
         Self { palette, indices, weights, len: skin.influence_len() }
     }
 
-    /// Returns the indices and weights of a range of vertices with four influences each; else `None`.
-    ///
-    /// The slices serve a plain loop around [`Self::blend_row`]. LTO does not inline an iterator of blended matrices:
-    /// each matrix would go through memory, at five times the cost.
+    /// Returns the rows of a vertex's block. `None` if the vertex is beyond the mesh.
     #[inline(always)]
-    pub(super) fn by_four(&self, vertices: Range<usize>) -> Option<Fours<'a>> {
-        if !UNROLL || self.len != 4 {
-            return None;
-        }
-        let indices = self.indices.as_chunks().0.get(vertices.clone())?;
-        Some((indices, self.weights.as_chunks().0.get(vertices)?))
+    pub(super) fn rows(&self, vertex: usize) -> Option<(&'a [[[u8; 2]; EIGHT]], &'a [Row])> {
+        Some((rows_of(self.indices, self.len, vertex)?, rows_of(self.weights, self.len, vertex)?))
     }
 
-    /// Blends the transforms of a range of vertices; lists nothing without influences.
+    /// Blends the transforms of a vertex from the rows of its block, as [`blend`] does.
     #[inline(always)]
-    pub(super) fn blend_each(&self, vertices: Range<usize>) -> impl Iterator<Item = Mat4> {
-        let all = vertices.start * self.len..vertices.end * self.len;
-        let influences = self.indices.get(all.clone()).zip(self.weights.get(all));
-        let (mut indices, mut weights) = influences.unwrap_or_default();
-        // At least 1, so that the loop over the influences of a vertex needs no test for 0.
-        let len = self.len.max(1);
-        iter::from_fn(move || {
-            let (first_indices, more_indices) = indices.split_at_checked(len)?;
-            let (first_weights, more_weights) = weights.split_at_checked(len)?;
-            (indices, weights) = (more_indices, more_weights);
-            blend(self.palette, first_indices, first_weights)
-        })
-    }
-
-    /// Blends the transforms of one vertex from its indices and weights, as [`blend`] does.
-    #[inline(always)]
-    pub(super) fn blend_row(&self, indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
-        blend(self.palette, indices, weights)
-    }
-
-    /// Returns the indices and weights of a vertex; `None` if the vertex is beyond the mesh.
-    #[inline(always)]
-    pub(super) fn of(&self, vertex: usize) -> Option<(&'a [[u8; 2]], &'a [Le])> {
-        let start = vertex * self.len;
-        let indices = self.indices.get(start..)?.get(..self.len)?;
-        Some((indices, self.weights.get(start..)?.get(..self.len)?))
+    pub(super) fn blend_rows(
+        &self,
+        (indices, weights): (&[[[u8; 2]; EIGHT]], &[Row]),
+        vertex: usize,
+    ) -> Option<Mat4> {
+        blend(self.palette, indices, weights, vertex)
     }
 
     /// Blends the transforms of a vertex; the identity without influences.
@@ -91,27 +61,34 @@ impl<'a> Influences<'a> {
     #[inline(always)]
     pub(super) fn blend(&self, vertex: usize) -> Option<Mat4> {
         if UNROLL && self.len == 4 {
-            let indices = self.indices.as_chunks::<4>().0.get(vertex)?;
-            return blend(self.palette, indices, self.weights.as_chunks::<4>().0.get(vertex)?);
+            let indices = self.indices.as_chunks::<4>().0.get(vertex / EIGHT)?;
+            let weights = self.weights.as_chunks::<4>().0.get(vertex / EIGHT)?;
+            return blend(self.palette, indices, weights, vertex);
         }
         if self.len == 0 {
             return Some(Mat4::IDENTITY);
         }
-        let start = vertex * self.len;
-        let indices = self.indices.get(start..).and_then(|rest| rest.get(..self.len))?;
-        blend(self.palette, indices, self.weights.get(start..)?)
+        self.blend_rows(self.rows(vertex)?, vertex)
     }
 }
 
 /// Blends the transforms of a vertex, first to last, and returns the columns of the sum.
 ///
 /// `None` if an index is beyond the palette. Loading checks the indices, so the file's bytes must have changed since.
+///
+/// - `indices`, `weights`: rows of the vertex's block.
 #[inline(always)]
-fn blend(palette: &[Matrix3x4], indices: &[[u8; 2]], weights: &[Le]) -> Option<Mat4> {
+fn blend(
+    palette: &[Matrix3x4],
+    indices: &[[[u8; 2]; EIGHT]],
+    weights: &[Row],
+    vertex: usize,
+) -> Option<Mat4> {
     let [mut x, mut y, mut z] = [Vec4::ZERO; 3];
-    for (index, weight) in indices.iter().zip(weights) {
-        let [a, b, c] = palette.get(usize::from(u16::from_le_bytes(*index)))?;
-        let weight = f32::from_le_bytes(*weight);
+    for (indices, weights) in indices.iter().zip(weights) {
+        let index = u16::from_le_bytes(indices[vertex % EIGHT]);
+        let [a, b, c] = palette.get(usize::from(index))?;
+        let weight = f32::from_le_bytes(weights[vertex % EIGHT]);
         x += Vec4::from_array(*a) * weight;
         y += Vec4::from_array(*b) * weight;
         z += Vec4::from_array(*c) * weight;

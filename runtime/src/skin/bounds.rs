@@ -1,7 +1,7 @@
 //! Bounding boxes: boxes under transforms, and the box around a posed skin.
 
 use super::counts::{RULES, WEIGHT_SUM_TOLERANCE};
-use super::view::Skin;
+use super::view::{Skin, of_vertex};
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::format::SectionKind;
 use crate::format::rule::Rule;
@@ -139,9 +139,9 @@ impl<'a> Skin<'a> {
                 join(&rest.moved(transform, slack));
             }
         }
-        let fixed = if self.envelope_part().is_none() { self.positions() } else { &[] };
-        for position in fixed {
-            let mut rest = Bounds::of(floats(position));
+        let fixed = if self.envelope_part().is_none() { self.vertex_len() } else { 0 };
+        for vertex in 0..fixed {
+            let mut rest = Bounds::of(of_vertex(self.positions(), vertex)?);
             widen(&mut rest);
             join(&rest);
         }

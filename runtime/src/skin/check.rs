@@ -6,12 +6,12 @@ use super::counts::{
 };
 #[cfg(feature = "shapes")]
 use super::shapes;
-use super::view::Skin;
+use super::view::{EIGHT, Row, Skin, float, of_vertex, rows_of};
 use crate::format::content::{check_counts, check_floats, check_index, check_names};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::{Element, FileErrorKind as Kind, SectionKind};
-use crate::linear::{Le, dot, floats};
+use crate::linear::dot;
 
 /// Checks the counts of a skin, and returns the flags and sizes for the rules of its sections.
 ///
@@ -67,10 +67,16 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
     |skin, loading| check_names(loading, skin.names()),
     |skin, loading| check_floats(loading, &skin.0, &RULES),
     |skin, loading| {
-        check_directions(loading, SectionKind::RestNormals, skin.normals().as_flattened(), 3)
+        check_directions(skin, loading, SectionKind::RestNormals, skin.normals().as_flattened(), 3)
     },
     |skin, loading| {
-        check_directions(loading, SectionKind::RestTangents, skin.tangents().as_flattened(), 4)
+        check_directions(
+            skin,
+            loading,
+            SectionKind::RestTangents,
+            skin.tangents().as_flattened(),
+            4,
+        )
     },
     check_ranges,
     check_influences,
@@ -82,20 +88,23 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
 
 /// Checks the lengths of directions. Normals have length 1 or 0; tangents have length 1, and a handedness of 1 or -1.
 ///
+/// - `rows`: `len` rows for each block; none if the section is missing.
 /// - `len`: floats of a direction, 3 for normals or 4 for tangents.
 fn check_directions(
+    skin: &Skin<'_>,
     loading: &Loading<'_>,
     section: SectionKind,
-    words: &[Le],
+    rows: &[Row],
     len: usize,
 ) -> Checked {
-    for (vertex, words) in words.chunks_exact(len.max(1)).enumerate() {
-        let Some((direction, hand)) = words.split_first_chunk::<3>() else { continue };
-        let direction = floats(direction);
+    for vertex in 0..skin.vertex_len() {
+        let own = rows_of(rows, len, vertex).and_then(<[_]>::split_first_chunk);
+        let Some(([x, y, z], hand)) = own else { return Ok(()) };
+        let direction = [float(x, vertex), float(y, vertex), float(z, vertex)];
         let is_unit = (dot(direction, direction) - 1.0).abs() <= LENGTH_TOLERANCE;
         let fits = match hand.first() {
             None => is_unit || direction == [0.0; 3],
-            Some(hand) => is_unit && f32::from_le_bytes(*hand).abs() == 1.0,
+            Some(hand) => is_unit && float(hand, vertex).abs() == 1.0,
         };
         if !fits {
             return loading.invalid(section, vertex);
@@ -120,28 +129,24 @@ fn check_ranges(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 /// Checks that influences refer to the palette, that weights sum to 1, and that vertices are in the boxes of their
 /// transforms.
 fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
-    // Without an envelope K is 0; chunks of 0 would panic.
-    let (below, k) = (skin.palette_len() as u32, skin.influence_len().max(1));
-    let boxes = skin.boxes();
-    let influences = skin.indices().chunks_exact(k).zip(skin.weights().chunks_exact(k));
-    let vertices = skin.positions().iter().map(floats).zip(influences).enumerate();
-    for (vertex, (position, (indices, weights))) in vertices {
-        let mut sum = 0.0;
-        for ((index, weight), at) in indices.iter().zip(weights).zip(vertex * k..) {
-            let found = u16::from_le_bytes(*index);
+    let (below, k, boxes) = (skin.palette_len() as u32, skin.influence_len(), skin.boxes());
+    let (all_indices, all_weights, positions) = (skin.indices(), skin.weights(), skin.positions());
+    let vertex_len = if skin.envelope_part().is_some() { skin.vertex_len() } else { 0 };
+    for vertex in 0..vertex_len {
+        let indices = rows_of(all_indices, k, vertex).unwrap_or_default();
+        let weights = rows_of(all_weights, k, vertex).unwrap_or_default();
+        let Some(position) = of_vertex(positions, vertex) else { return Ok(()) };
+        let (mut sum, mut at) = (0.0, vertex / EIGHT * EIGHT * k + vertex % EIGHT);
+        for (index, weight) in indices.iter().zip(weights) {
+            let found = u16::from_le_bytes(index[vertex % EIGHT]);
             check_index(loading, SectionKind::InfluenceIndices, at, below, found.into())?;
-            let found = usize::from(found);
-            let weight = f32::from_le_bytes(*weight);
+            let (found, weight) = (usize::from(found), float(weight, vertex));
             sum += weight;
+            at += EIGHT;
             let inside = boxes.get(found).is_some_and(|rest| is_inside(rest, position));
             if weight > 0.0 && !inside {
-                let values = [0, vertex as u32];
-                return Err(loading.refuse(
-                    Kind::Invalid,
-                    Some(SectionKind::RestBoxes),
-                    found,
-                    values,
-                ));
+                let (section, values) = (Some(SectionKind::RestBoxes), [0, vertex as u32]);
+                return Err(loading.refuse(Kind::Invalid, section, found, values));
             }
         }
         if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
@@ -155,7 +160,7 @@ fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 #[cfg(feature = "normals")]
 fn check_coefficients(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
     let is_sound = |bits: u16| matches!((bits & 0x7c00, bits & 0x3ff), (0, 0) | (0x400..0x7c00, _));
-    let halves = skin.coefficients().as_flattened().as_chunks().0;
+    let halves = skin.coefficients().as_flattened().as_flattened().as_chunks().0;
     match halves.iter().position(|le| !is_sound(u16::from_le_bytes(*le))) {
         None => Ok(()),
         Some(at) => {

@@ -1,5 +1,6 @@
 //! Counts of a skin, its measured errors, and the rules for its sections.
 
+use super::view::EIGHT;
 use crate::format::flat::flat;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
@@ -74,6 +75,7 @@ impl SkinCounts {
     /// Returns the flags and sizes that [`RULES`] refer to.
     pub(crate) const fn asked(&self, palette_len: u32, element: Element) -> Asked {
         let Self { vertex_len: v, influence_len: k, range_len: r, shape_len: s, .. } = *self;
+        let p = (v.div_ceil(EIGHT as u32)).saturating_mul(EIGHT as u32);
         let follows = if self.envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
         let blends = if follows != 0 && k > 1 { BLENDS } else { 0 };
         let shaped = if s > 0 { SHAPED } else { 0 };
@@ -83,17 +85,17 @@ impl SkinCounts {
         {
             let (e, d, width) = (self.entry_len, self.delta_len, element.bytes() as u32);
             let starts = v.div_ceil(BLOCK as u32) + 1;
-            Asked::new(has, [1, v, k, palette_len, r, names, others, s, starts, e, d, width])
+            Asked::new(has, [1, p, k, palette_len, r, names, others, s, starts, e, d, width])
         }
         #[cfg(all(not(feature = "shapes"), feature = "normals"))]
         {
             let _ = element;
-            Asked::new(has, [1, v, k, palette_len, r, names, others])
+            Asked::new(has, [1, p, k, palette_len, r, names, others])
         }
         #[cfg(not(any(feature = "shapes", feature = "normals")))]
         {
             let _ = (element, others);
-            Asked::new(has, [1, v, k, palette_len, r, names])
+            Asked::new(has, [1, p, k, palette_len, r, names])
         }
     }
 }
@@ -162,7 +164,7 @@ const _: () = assert!(RULES.len() <= SECTIONS && place::PALETTE < COUNTS);
 const MORE: [usize; 2] =
     [2 * cfg!(feature = "normals") as usize, 6 * cfg!(feature = "shapes") as usize];
 
-/// Rules for the sections of a skin. Sizes: 1, V, K, L, R, R + S, K - 1, S, blocks + 1, E, D, bytes of an element.
+/// Rules for the sections of a skin. Sizes: 1, V padded to whole blocks of eight, K, L, R, R + S, K - 1, S, blocks + 1, E, D, bytes of an element.
 pub(crate) const RULES: [Rule; 9 + MORE[0] + MORE[1]] = [
     Rule::new(SectionKind::SkinCounts, SkinCounts::BYTES as u8, [0, 0]),
     Rule::new(SectionKind::Names, 4, [5, 0]).or_more(4),

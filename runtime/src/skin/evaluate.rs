@@ -3,16 +3,14 @@
 //! A loop returns `None` early only if the bytes of the file have changed since loading: the loop then stops at an
 //! index that no checked file holds, instead of a panic.
 
-use super::blend::{Fours, Influences, along, moved};
-use super::columns::Scratch;
-use super::job::{Rest, SkinJob};
+use super::blend::{Influences, along, moved};
+use super::job::SkinJob;
 use super::normals::{Frame, Vertex, cofactors, side, unit};
-use super::output::{Output, put};
-use super::simd::{Columns, EIGHT, Posed, Rows, eights};
-use super::view::Skin;
+use super::output::Output;
+use super::vectors;
+use super::view::{EIGHT, Row, Skin, float, of_vertex, rows_of};
 use crate::error::{Argument, CallError};
-use crate::lanes::{Eight, Lanes};
-use crate::linear::{Le, Matrix3x4, floats};
+use crate::linear::Matrix3x4;
 use core::ops::Range;
 
 impl Skin<'_> {
@@ -35,7 +33,7 @@ impl Skin<'_> {
         let out = Output::new(out_positions.as_flattened_mut(), 3);
         Argument::Palette.check_len(self.palette_len(), palette.len())?;
         out.check(vertices.len(), 3, Argument::Positions)?;
-        skin_positions_only(self, palette, vertices, &out, Scratch::default());
+        skin_positions_only(self, palette, vertices, &out);
         Ok(())
     }
 }
@@ -55,51 +53,58 @@ impl SkinJob<'_> {
     /// - [`crate::CallErrorKind::Overlap`]: two outputs share a float.
     pub fn run(&self) -> Result<(), CallError> {
         self.check()?;
-        let Self { skin, palette, remap, .. } = *self;
-        let vertices = self.range();
-        let influences = Influences::new(&skin, palette);
-        match (&self.positions, &self.normals, &self.tangents) {
-            (Some(out), None, None) if remap.is_none() && self.rest.positions.is_none() => {
-                skin_positions_only(&skin, palette, vertices.clone(), out, self.scratch);
-                return Ok(());
+        if vectors::run(self).is_none() {
+            let Self { skin, palette, remap, rest, .. } = self;
+            match (&self.positions, &self.normals, &self.tangents) {
+                (Some(out), None, None) if remap.is_none() && rest.positions.is_none() => {
+                    skin_positions_only(skin, palette, self.range(), out);
+                }
+                _ => {
+                    self.one_by_one(0..self.range().len());
+                }
             }
-            _ => {}
         }
-        if skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
-            let done =
-                if Lanes::IN_REGISTERS { self.skin_eights(&influences).unwrap_or(0) } else { 0 };
-            self.skin_by_coefficients(&influences, done..vertices.len());
-            return Ok(());
-        }
-        match influences.by_four(vertices.clone()).filter(|_| remap.is_none()) {
-            Some(fours) => self.skin_by_blend::<true>(&influences, fours),
-            None => self.skin_by_blend::<false>(&influences, Default::default()),
-        };
         Ok(())
     }
 
-    /// Skins vertices with tangent coefficients, one at a time.
+    /// Skins vertices, one at a time, without vector units. Checks nothing.
     ///
     /// - `part`: a part of `0..n`, of the n vertices of the range.
+    #[cfg_attr(feature = "internals", visibility::make(pub))]
+    pub(super) fn one_by_one(&self, part: Range<usize>) -> Option<()> {
+        match self.skin.has_coefficients() && (self.normals.is_some() || self.tangents.is_some()) {
+            true => self.skin_by_coefficients(part),
+            false => self.skin_by_blend(part),
+        }
+    }
+
+    /// Returns the skin vertex of the i-th vertex of the range.
+    #[inline(always)]
+    pub(super) fn vertex(&self, i: usize) -> Option<usize> {
+        let at = self.start() + i;
+        self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))
+    }
+
+    /// Skins vertices with tangent coefficients, one at a time.
     #[cfg_attr(target_os = "none", inline(never))]
-    fn skin_by_coefficients(&self, influences: &Influences<'_>, part: Range<usize>) -> Option<()> {
+    fn skin_by_coefficients(&self, part: Range<usize>) -> Option<()> {
         let Self { skin, palette, rest, .. } = self;
+        let influences = Influences::new(skin, palette);
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
         let (coefficients, len) = (skin.coefficients(), skin.influence_len().saturating_sub(1));
-        let (side, start) = (side(palette), self.range().start);
+        let side = side(palette);
         for i in part {
-            let at = start + i;
-            let vertex = self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
-            let transform = influences.blend(vertex)?;
-            let (indices, weights) = influences.of(vertex)?;
-            let coefficients = coefficients.get(vertex * len..)?.get(..len)?;
-            let own = Vertex { palette, indices, weights, coefficients };
+            let vertex = self.vertex(i)?;
+            let (indices, weights) = influences.rows(vertex)?;
+            let transform = influences.blend_rows((indices, weights), vertex)?;
+            let coefficients = rows_of(coefficients, len, vertex)?;
+            let own = Vertex { palette, vertex, indices, weights, coefficients };
             let x = rest_attribute(rest.positions, positions, vertex)?;
             let n = rest_attribute(rest.normals, normals, vertex)?;
             let tangent = rest_attribute(rest.tangents, tangents, vertex);
             let frame = match tangent.filter(|_| skin.has_tangents()) {
                 Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),
-                None => Frame::of_normal(n, f32::from_le_bytes(normals.get(vertex)?[2])),
+                None => Frame::of_normal(n, of_vertex(normals, vertex)?[2]),
             };
             let blended = [transform.x_axis, transform.y_axis, transform.z_axis];
             let blended = blended.map(|column| column.truncate().to_array());
@@ -120,74 +125,16 @@ impl SkinJob<'_> {
         Some(())
     }
 
-    /// Skins vertices with tangent coefficients, eight at a time, from the start of the range.
-    ///
-    /// Returns the number of vertices done; the last few are left to the general loop. `None` if the job needs the general loop, for example for tangents or a remap.
-    #[inline(never)]
-    fn skin_eights(&self, influences: &Influences<'_>) -> Option<usize> {
-        let Self { skin, palette, .. } = self;
-        let Rest { positions, normals, tangents } = self.rest;
-        let given = positions.is_some() || normals.is_some() || tangents.is_some();
-        if given || self.remap.is_some() || self.tangents.is_some() || skin.influence_len() != 4 {
-            return None;
-        }
-        let range = self.range();
-        let mut tangents = match skin.has_tangents() {
-            true => Some(eights(skin.tangents(), &range)?),
-            false => None,
-        };
-        let all = eights(skin.positions(), &range)?
-            .zip(eights(skin.normals(), &range)?)
-            .zip(eights(skin.indices().as_chunks().0, &range)?)
-            .zip(eights(skin.weights().as_chunks().0, &range)?)
-            .zip(eights(skin.coefficients().as_chunks().0, &range)?);
-        let side = side(palette);
-        let (mut columns, mut posed) = (Columns::NONE, Posed::NONE);
-        let mut done = 0;
-        for ((((positions, normals), indices), weights), coefficients) in all {
-            let tangents = match &mut tangents {
-                Some(tangents) => Some(tangents.next()?),
-                None => None,
-            };
-            let rows = Rows { positions, normals, tangents, indices, weights, coefficients };
-            columns.read(&rows, palette)?;
-            columns.pose(tangents.is_some(), side, &mut posed);
-            if let Some(out) = &self.positions {
-                out.put_rows(done, &posed.positions)?;
-            }
-            if let Some(out) = &self.normals {
-                out.put_rows(done, &posed.normals)?;
-            }
-            if !posed.squared_lengths.iter().all(|square| square.is_normal()) {
-                // A normal without a direction needs the general loop.
-                self.skin_by_coefficients(influences, done..done + EIGHT)?;
-            }
-            done += EIGHT;
-        }
-        Some(done)
-    }
-
     /// Skins vertices without tangent coefficients by their blended transforms.
-    ///
-    /// - `IS_BY_FOUR`: whether the influences of the range are in `fours`, and there is no remap.
     #[inline(always)]
-    fn skin_by_blend<const IS_BY_FOUR: bool>(
-        &self,
-        influences: &Influences<'_>,
-        (indices, weights): Fours<'_>,
-    ) -> Option<()> {
-        let (skin, rest) = (&self.skin, self.rest);
+    fn skin_by_blend(&self, part: Range<usize>) -> Option<()> {
+        let Self { skin, palette, rest, .. } = self;
+        let influences = Influences::new(skin, palette);
         let (positions, normals, tangents) = (skin.positions(), skin.normals(), skin.tangents());
-        let side = side(self.palette);
-        let mut fours = indices.iter().zip(weights);
-        for (i, at) in self.range().enumerate() {
-            let (vertex, transform) = if IS_BY_FOUR {
-                let (indices, weights) = fours.next()?;
-                (at, influences.blend_row(indices, weights)?)
-            } else {
-                let vertex = self.remap.map_or(Some(at), |remap| Some(*remap.get(at)? as usize))?;
-                (vertex, influences.blend(vertex)?)
-            };
+        let side = side(palette);
+        for i in part {
+            let vertex = self.vertex(i)?;
+            let transform = influences.blend(vertex)?;
             if let Some(out) = &self.positions
                 && let Some(x) = rest_attribute(rest.positions, positions, vertex)
             {
@@ -211,54 +158,43 @@ impl SkinJob<'_> {
     }
 }
 
-/// Skins positions of the file's rest mesh. Separate loops, to limit register pressure.
+/// Skins positions of the file's rest mesh. A separate loop, to limit register pressure.
 #[cfg_attr(target_os = "none", inline(never))]
 fn skin_positions_only(
     skin: &Skin<'_>,
     palette: &[Matrix3x4],
     vertices: Range<usize>,
     out: &Output<'_>,
-    scratch: Scratch<'_>,
-) {
-    let rest = skin.positions().get(vertices.clone()).unwrap_or_default();
-    let influences = Influences::new(skin, palette);
-    if let Some((indices, weights)) = influences.by_four(vertices.clone()) {
-        if scratch.positions(palette, rest, (indices, weights), out).is_some() {
-            return;
+) -> Option<()> {
+    let (influences, positions) = (Influences::new(skin, palette), skin.positions());
+    let (mut vertex, mut i) = (vertices.start, 0);
+    while vertex < vertices.end {
+        // The vertices of a block share their rows.
+        let (rest, rows) = (positions.get(vertex / EIGHT)?, influences.rows(vertex)?);
+        for lane in vertex % EIGHT..EIGHT.min(vertex % EIGHT + vertices.end - vertex) {
+            let rest = [float(&rest[0], lane), float(&rest[1], lane), float(&rest[2], lane)];
+            // Without an envelope: adding 0 turns -0 into +0, as the identity does.
+            let posed = match skin.influence_len() {
+                0 => rest.map(|x| x + 0.0),
+                _ => moved(&influences.blend_rows(rows, lane)?, rest),
+            };
+            out.put(i, posed)?;
+            i += 1;
         }
-        // Chunks are faster on the targets of this path, and slower on small processors. The stride is checked to be
-        // at least 3; chunks of 0 would panic.
-        let chunks = out.floats.chunks(out.stride.max(1));
-        for (((rest, out), indices), weights) in rest.iter().zip(chunks).zip(indices).zip(weights) {
-            let Some(transform) = influences.blend_row(indices, weights) else { return };
-            put(out, moved(&transform, floats(rest)));
-        }
-        return;
+        vertex += EIGHT - vertex % EIGHT;
     }
-    if skin.envelope_part().is_none() {
-        for (i, rest) in rest.iter().enumerate() {
-            // Adding 0 turns -0 into +0, as the identity does. The early return prevents unrolling, which is not
-            // worth its code size.
-            if out.put(i, floats(rest).map(|x| x + 0.0)).is_none() {
-                return;
-            }
-        }
-        return;
-    }
-    for (i, (rest, transform)) in rest.iter().zip(influences.blend_each(vertices)).enumerate() {
-        out.put(i, moved(&transform, floats(rest)));
-    }
+    Some(())
 }
 
 /// Reads an attribute from the caller's rest mesh, or from the file if the caller has none.
 #[inline(always)]
 fn rest_attribute<const N: usize>(
     given: Option<&[[f32; N]]>,
-    file: &[[Le; N]],
+    file: &[[Row; N]],
     vertex: usize,
 ) -> Option<[f32; N]> {
     match given {
         Some(given) => given.get(vertex).copied(),
-        None => file.get(vertex).map(floats),
+        None => of_vertex(file, vertex),
     }
 }

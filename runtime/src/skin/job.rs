@@ -1,7 +1,7 @@
 //! Job of the stage `skin`: the arguments and their checks.
 
-use super::columns::{CacheLine, Scratch};
 use super::output::{Output, Outputs, check_range};
+use super::vectors::{CacheLine, Scratch};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::Matrix3x4;
@@ -118,10 +118,15 @@ impl<'a> SkinJob<'a> {
         Self { tangents: tangents.into(), ..self }
     }
 
-    /// Lends scratch, which makes positions faster: [`Skin::scratch_len`] cache lines of any content. The results are
-    /// the same without scratch.
+    /// Lends scratch, which makes a job of positions faster: [`Skin::scratch_len`] cache lines of any content. The
+    /// results are the same without scratch.
     pub fn scratch(self, scratch: &'a mut [CacheLine]) -> Self {
         Self { scratch: Scratch::new(scratch), ..self }
+    }
+
+    /// Returns the start of the range of vertices.
+    pub(super) fn start(&self) -> usize {
+        self.vertices.as_ref().map_or(0, |vertices| vertices.start)
     }
 
     /// Returns the range of vertices.

@@ -3,8 +3,6 @@
 mod blend;
 mod bounds;
 pub(crate) mod check;
-#[cfg_attr(target_os = "none", path = "no_columns.rs")]
-mod columns;
 mod counts;
 mod evaluate;
 mod job;
@@ -12,11 +10,11 @@ mod normals;
 mod output;
 #[cfg(feature = "shapes")]
 mod shapes;
-mod simd;
+#[cfg_attr(target_os = "none", path = "no_vectors.rs")]
+mod vectors;
 mod view;
 
 pub use bounds::Bounds;
-pub use columns::CacheLine;
 pub(crate) use counts::RULES;
 #[cfg_attr(feature = "internals", visibility::make(pub))]
 pub(crate) use counts::{
@@ -27,4 +25,5 @@ pub use job::SkinJob;
 pub use output::Output;
 #[cfg(feature = "shapes")]
 pub use shapes::ShapesJob;
+pub use vectors::CacheLine;
 pub use view::{Skin, mesh_hash_of};

@@ -1,12 +1,10 @@
 //! Normals and tangents, by tangent coefficients or by cofactors (METHOD §1.8).
 
+use super::view::{EIGHT, Row};
 use crate::lanes::Real;
-use crate::linear::{Columns, Le, Matrix3x4, columns, cross, dot, moved, sum, transform};
+use crate::linear::{Columns, Matrix3x4, columns, cross, dot, moved, sum, transform};
 use crate::numeric::{halves, sqrt};
 use glam::{Mat4, Vec4, Vec4Swizzles};
-
-/// Start of a sum. Adding -0 changes no number, not even -0.
-const NOTHING: [f32; 3] = [-0.0; 3];
 
 /// Two directions in the surface at rest, perpendicular to each other and to the normal.
 ///
@@ -31,7 +29,7 @@ impl<R: Real> Frame<R> {
     ///   caller's normal that crosses z = 0 does not flip the frame.
     #[inline(always)]
     pub(super) fn of_normal([x, y, z]: [R; 3], up: R) -> Self {
-        let one = R::from(1.0);
+        let one = up.splat(1.0);
         let side = one.with_sign_of(up);
         let (sided, share) = (side * x, x / (side + z));
         let g = [one - sided * share, -(side * y * share), -sided];
@@ -43,15 +41,17 @@ impl<R: Real> Frame<R> {
 #[derive(Clone, Copy)]
 pub(super) struct Vertex<'a> {
     pub(super) palette: &'a [Matrix3x4],
-    pub(super) indices: &'a [[u8; 2]],
-    pub(super) weights: &'a [Le],
-    /// g and h of each influence but the last, as two f16.
-    pub(super) coefficients: &'a [Le],
+    /// Index of the vertex. The other fields hold the rows of its block.
+    pub(super) vertex: usize,
+    pub(super) indices: &'a [[[u8; 2]; EIGHT]],
+    pub(super) weights: &'a [Row],
+    /// g and h of each influence but the first, as two f16.
+    pub(super) coefficients: &'a [Row],
 }
 
-/// Correction of the skinned frame: g is Σ g_l (y_l - y_last), and h is Σ h_l (y_l - y_last).
+/// Correction of the skinned frame: g is Σ g_l (y_l - y_first), and h is Σ h_l (y_l - y_first).
 ///
-/// y_l is the position of the vertex under transform l.
+/// y_l is the position of the vertex under transform l. An influence without coefficients is left out.
 pub(super) struct FrameCorrection {
     g: [f32; 3],
     h: [f32; 3],
@@ -65,15 +65,19 @@ impl Vertex<'_> {
     ///
     /// - `position`: of the vertex at rest.
     pub(super) fn frame_correction(&self, position: [f32; 3]) -> Option<FrameCorrection> {
-        let (last, others) = self.indices.split_last()?;
-        let last = moved(self.transform(last)?, position);
-        let mut sums = FrameCorrection { g: NOTHING, h: NOTHING };
-        for (index, word) in others.iter().zip(self.coefficients) {
-            let place = moved(self.transform(index)?, position);
-            let [g, h] = halves(u32::from_le_bytes(*word));
+        let (first, others) = self.indices.split_first()?;
+        let first = moved(self.transform(first)?, position);
+        let mut sums = FrameCorrection { g: [0.0; 3], h: [0.0; 3] };
+        for (indices, words) in others.iter().zip(self.coefficients) {
+            let word = u32::from_le_bytes(words[self.vertex % EIGHT]);
+            if word == 0 {
+                continue;
+            }
+            let place = moved(self.transform(indices)?, position);
+            let [g, h] = halves(word);
             let sums = sums.g.iter_mut().zip(&mut sums.h);
-            for ((sum_g, sum_h), (place, last)) in sums.zip(place.iter().zip(last)) {
-                let apart = place - last;
+            for ((sum_g, sum_h), (place, first)) in sums.zip(place.iter().zip(first)) {
+                let apart = place - first;
                 *sum_g += g * apart;
                 *sum_h += h * apart;
             }
@@ -87,18 +91,18 @@ impl Vertex<'_> {
     #[cold]
     fn turn_by_strongest(&self, normal: [f32; 3]) -> Option<[f32; 3]> {
         let (mut most, mut strongest) = (-1.0, None);
-        for (index, weight) in self.indices.iter().zip(self.weights) {
-            let weight = f32::from_le_bytes(*weight);
+        for (indices, weights) in self.indices.iter().zip(self.weights) {
+            let weight = f32::from_le_bytes(weights[self.vertex % EIGHT]);
             if weight > most {
-                (most, strongest) = (weight, Some(index));
+                (most, strongest) = (weight, Some(indices));
             }
         }
         let [x, y, z, _] = columns(self.transform(strongest?)?);
         unit(transform(&[x, y, z], normal), 1.0)
     }
 
-    fn transform(&self, index: &[u8; 2]) -> Option<&Matrix3x4> {
-        self.palette.get(usize::from(u16::from_le_bytes(*index)))
+    fn transform(&self, indices: &[[u8; 2]; EIGHT]) -> Option<&Matrix3x4> {
+        self.palette.get(usize::from(u16::from_le_bytes(indices[self.vertex % EIGHT])))
     }
 
     /// Computes the posed normal: the cross product of the posed directions of the frame.

@@ -7,6 +7,7 @@ use crate::format::{SectionKind, crc};
 use crate::linear::{Le, floats};
 use crate::names::Names;
 use crate::numeric::halves;
+use core::array;
 use core::ops::Range;
 
 const NAMES: usize = Rule::place(&RULES, SectionKind::Names);
@@ -88,17 +89,17 @@ impl<'a> Skin<'a> {
 
     /// Returns a vertex's rest position.
     pub fn rest_position(&self, vertex: usize) -> Option<[f32; 3]> {
-        self.0.entry(POSITIONS, self.vertex_len(), vertex).map(floats)
+        self.checked(vertex).and_then(|vertex| of_vertex(self.positions(), vertex))
     }
 
     /// Returns a vertex's rest normal.
     pub fn rest_normal(&self, vertex: usize) -> Option<[f32; 3]> {
-        self.0.entry(NORMALS, self.vertex_len(), vertex).map(floats)
+        self.checked(vertex).and_then(|vertex| of_vertex(self.normals(), vertex))
     }
 
     /// Returns a vertex's rest tangent and, last, its handedness.
     pub fn rest_tangent(&self, vertex: usize) -> Option<[f32; 4]> {
-        self.0.entry(TANGENTS, self.vertex_len(), vertex).map(floats)
+        self.checked(vertex).and_then(|vertex| of_vertex(self.tangents(), vertex))
     }
 
     /// Lists the K influences of a vertex: palette index and weight. Unused influences have the weight 0.
@@ -106,27 +107,29 @@ impl<'a> Skin<'a> {
         &self,
         vertex: usize,
     ) -> impl ExactSizeIterator<Item = (usize, f32)> + use<'a> {
-        let k = self.influence_len();
-        let span = vertex.checked_mul(k).and_then(|start| Some(start..start.checked_add(k)?));
-        let indices = span.clone().and_then(|span| self.indices().get(span)).unwrap_or_default();
-        let weights = span.and_then(|span| self.weights().get(span)).unwrap_or_default();
-        indices.iter().zip(weights).map(|(index, weight)| {
-            (usize::from(u16::from_le_bytes(*index)), f32::from_le_bytes(*weight))
+        let len = self.influence_len();
+        let rows = self.checked(vertex).and_then(|vertex| {
+            Some((rows_of(self.indices(), len, vertex)?, rows_of(self.weights(), len, vertex)?))
+        });
+        let (indices, weights) = rows.unwrap_or_default();
+        indices.iter().zip(weights).map(move |(indices, weights)| {
+            let index = u16::from_le_bytes(indices[vertex % EIGHT]);
+            (usize::from(index), f32::from_le_bytes(weights[vertex % EIGHT]))
         })
     }
 
-    /// Lists the tangent coefficients g, h of a vertex, per unit of length, for the first K - 1 influences.
+    /// Lists the tangent coefficients g, h of a vertex, per unit of length, for all influences but the first.
     ///
-    /// The coefficients of the last influence are minus the sums of the others. Lists nothing without tangent
+    /// The coefficients of the first influence are minus the sums of the others. Lists nothing without tangent
     /// coefficients.
     pub fn tangent_coefficients(
         &self,
         vertex: usize,
     ) -> impl ExactSizeIterator<Item = [f32; 2]> + use<'a> {
         let len = self.influence_len().saturating_sub(1);
-        let span = vertex.checked_mul(len).and_then(|start| Some(start..start.checked_add(len)?));
-        let pairs = span.and_then(|span| self.coefficients().get(span)).unwrap_or_default();
-        pairs.iter().map(|le| halves(u32::from_le_bytes(*le)))
+        let rows = self.checked(vertex).and_then(|at| rows_of(self.coefficients(), len, at));
+        let rows = rows.unwrap_or_default().iter();
+        rows.map(move |words| halves(u32::from_le_bytes(words[vertex % EIGHT])))
     }
 
     /// Returns the measured errors of the normals; `None` if the file has none.
@@ -137,19 +140,22 @@ impl<'a> Skin<'a> {
 
     /// Lists the V rest positions.
     pub fn rest_positions(&self) -> impl ExactSizeIterator<Item = [f32; 3]> + use<'a> {
-        self.positions().iter().take(self.vertex_len()).map(floats)
+        let skin = *self;
+        (0..skin.vertex_len()).map(move |vertex| skin.rest_position(vertex).unwrap_or_default())
     }
 
     /// Lists the V rest normals.
     pub fn rest_normals(&self) -> impl ExactSizeIterator<Item = [f32; 3]> + use<'a> {
-        self.normals().iter().take(self.vertex_len()).map(floats)
+        let skin = *self;
+        (0..skin.vertex_len()).map(move |vertex| skin.rest_normal(vertex).unwrap_or_default())
     }
 
     /// Returns the hash of the rest positions: [`mesh_hash_of`] in the file's order.
     ///
     /// Compare the hash after a reload, to detect a changed mesh or vertex order.
     pub fn mesh_hash(&self) -> u32 {
-        self.positions().iter().take(self.vertex_len()).fold(0, with_vertex)
+        self.rest_positions()
+            .fold(0, |hash, position| with_vertex(hash, &position.map(f32::to_le_bytes)))
     }
 
     pub(crate) fn names(&self) -> Names<'a> {
@@ -157,33 +163,66 @@ impl<'a> Skin<'a> {
         Names::new(self.0.bytes(NAMES), len)
     }
 
-    pub(crate) fn positions(&self) -> &'a [[Le; 3]] {
-        self.0.array(POSITIONS)
+    /// Returns a vertex that is in the mesh: not in the padding of the last block.
+    fn checked(&self, vertex: usize) -> Option<usize> {
+        Some(vertex).filter(|vertex| *vertex < self.vertex_len())
     }
 
-    pub(crate) fn normals(&self) -> &'a [[Le; 3]] {
-        self.0.array(NORMALS)
+    pub(crate) fn positions(&self) -> &'a [[Row; 3]] {
+        self.0.array(POSITIONS).as_chunks().0
     }
 
-    pub(crate) fn tangents(&self) -> &'a [[Le; 4]] {
-        self.0.array(TANGENTS)
+    pub(crate) fn normals(&self) -> &'a [[Row; 3]] {
+        self.0.array(NORMALS).as_chunks().0
     }
 
-    pub(crate) fn indices(&self) -> &'a [[u8; 2]] {
-        self.0.bytes(INDICES).as_chunks().0
+    pub(crate) fn tangents(&self) -> &'a [[Row; 4]] {
+        self.0.array(TANGENTS).as_chunks().0
     }
 
-    pub(crate) fn weights(&self) -> &'a [Le] {
-        self.0.bytes(WEIGHTS).as_chunks().0
+    /// Returns the indices of influences, K rows for each block.
+    pub(crate) fn indices(&self) -> &'a [[[u8; 2]; EIGHT]] {
+        self.0.bytes(INDICES).as_chunks().0.as_chunks().0
     }
 
-    pub(crate) fn coefficients(&self) -> &'a [Le] {
-        COEFFICIENTS.map_or(&[], |place| self.0.bytes(place).as_chunks().0)
+    /// Returns the weights of influences, K rows for each block.
+    pub(crate) fn weights(&self) -> &'a [Row] {
+        self.0.array(WEIGHTS)
+    }
+
+    /// Returns the tangent coefficients as pairs of f16, K - 1 rows for each block.
+    pub(crate) fn coefficients(&self) -> &'a [Row] {
+        COEFFICIENTS.map_or(&[], |place| self.0.array(place))
     }
 
     pub(crate) fn range_rows(&self) -> &'a [[Le; 2]] {
         self.0.array(RANGES)
     }
+}
+
+/// Vertices of a block. A block holds a row of eight for each number of a vertex.
+pub(crate) const EIGHT: usize = 8;
+
+/// A number of each vertex of a block.
+pub(crate) type Row = [Le; EIGHT];
+
+/// Reads a number of a vertex from its row.
+#[inline(always)]
+pub(crate) fn float(row: &Row, lane: usize) -> f32 {
+    f32::from_le_bytes(row[lane % EIGHT])
+}
+
+/// Reads N numbers of a vertex from the blocks of an attribute.
+#[inline(always)]
+pub(crate) fn of_vertex<const N: usize>(blocks: &[[Row; N]], vertex: usize) -> Option<[f32; N]> {
+    let rows = blocks.get(vertex / EIGHT)?;
+    Some(array::from_fn(|n| float(&rows[n], vertex)))
+}
+
+/// Returns the rows of a vertex's block: `len` for each block.
+#[inline(always)]
+pub(crate) fn rows_of<T>(rows: &[T], len: usize, vertex: usize) -> Option<&[T]> {
+    rows.get(vertex / EIGHT * len..)?.get(..len)
 }
 
 /// Computes the hash of a mesh: a chained CRC-32 over the rest positions, starting at 0.

@@ -374,11 +374,11 @@ fn flips(steps: i64, other: f32) -> bool {
 /// the other would cancel, and neither divides by a negative number.
 #[inline(always)]
 fn coordinate<R: Real>(before: R, slope: R, bend: f32) -> R {
-    let zero = R::from(0.0);
+    let zero = slope.splat(0.0);
     let square = slope * slope + before * (4.0 * bend);
     let height = sqrt(greater(square, zero));
     let above = slope.where_less(zero, || height - slope, || before * 2.0);
-    let below = slope.where_less(zero, || R::from(2.0 * bend), || slope + height);
+    let below = slope.where_less(zero, || slope.splat(2.0 * bend), || slope + height);
     let share = zero.where_less(below, || above / below, || zero);
-    lesser(greater(share, zero), R::from(1.0))
+    lesser(greater(share, zero), share.splat(1.0))
 }

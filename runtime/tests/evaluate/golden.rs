@@ -121,9 +121,9 @@ const WRITE: &str = "SINEW_WRITE_GOLDEN";
 fn the_golden_parts_are_reproduced() {
     let kernels =
         [KernelContent::goldens().as_slice(), &[KernelContent::servo()]].map(Pieces::kernels);
-    let names = ["kernel-10.snw", "kernel-10-servo.snw"].into_iter().chain(TURNED_NAMES);
+    let names = ["kernel-11.snw", "kernel-11-servo.snw"].into_iter().chain(TURNED_NAMES);
     let names = names.chain(SHAPED_NAMES).chain(VIEWED_NAMES).chain([FACE_NAME]);
-    let names = names.chain(["filter-10.snw", "several-10.snw"]);
+    let names = names.chain(["filter-11.snw", "several-11.snw"]);
     let all = kernels.into_iter().chain(Pieces::turned()).chain(Pieces::shaped());
     let all = all.chain(Pieces::viewed()).chain([Pieces::face()]);
     let all = all.chain([Pieces::filter(&FilterContent::sensor()), Pieces::several()]);

@@ -101,7 +101,7 @@ fn expected(skin: &Skin<'_>, palette: &[Matrix3x4], vertex: usize) -> Expected {
     let tangent = skin.rest_tangent(vertex).map(|[x, y, z, _]| wide([x, y, z]));
     let mut changes = skin.tangent_coefficients(vertex).map(wide).collect::<Vec<_>>();
     let sums = changes.iter().fold([0.0; 2], |sums, [g, h]| [sums[0] + g, sums[1] + h]);
-    changes.push(sums.map(|sum| -sum));
+    changes.insert(0, sums.map(|sum| -sum));
     let influences = skin.influences(vertex).collect::<Vec<_>>();
     assert_eq!(changes.len(), influences.len());
     let directions = frame(normal, tangent);
@@ -170,7 +170,7 @@ fn normals_and_tangents_are_those_of_a_surface_whose_weights_change() {
                     certain += usize::from(expected.normal_error < 1e-3);
                 }
             }
-            assert!(cfg!(miri) || certain > 15 * v, "{certain}: bounds that bind");
+            assert!(cfg!(miri) || certain > 13 * v, "{certain}: bounds that bind");
         });
     }
 }
@@ -284,8 +284,8 @@ fn a_normal_without_direction_takes_the_strongest_influence() {
 fn a_vertex_without_a_normal_stays_without() {
     for tangents in [true, false] {
         let mut pieces = Pieces::sample(Predictor::Rotational, Shape { tangents, ..SMALL });
-        pieces.section(SectionKind::RestNormals)[..12].fill(0);
-        pieces.section(SectionKind::TangentCoefficients)[..4].fill(0);
+        pieces.edit_vertices(SectionKind::RestNormals, |numbers| numbers[..12].fill(0));
+        pieces.edit_vertices(SectionKind::TangentCoefficients, |numbers| numbers[..4].fill(0));
         let model = Model::from_bytes(pieces.bytes()).unwrap();
         let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
         let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));
@@ -303,7 +303,7 @@ fn the_frame_of_a_caller_normal_flips_only_with_the_files_frame() {
         unit(wide([x, y, 1e-4])).map(|x| x as f32)
     });
     let mut normals = near.collect::<Vec<_>>();
-    *pieces.section(SectionKind::RestNormals) = floats(normals.as_flattened());
+    pieces.set_vertices(SectionKind::RestNormals, &floats(normals.as_flattened()));
     let model = Model::from_bytes(pieces.bytes()).unwrap();
     let (envelope, skin) = (model.first::<Envelope>().unwrap(), model.first::<Skin>().unwrap());
     let palette = palette(&envelope, &random_pose(&envelope, &mut Rng(5), 0.3));

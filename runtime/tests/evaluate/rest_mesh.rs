@@ -39,9 +39,9 @@ impl Mesh {
 
     /// Stores the mesh in a file.
     fn write(&self, pieces: &mut Pieces) {
-        *pieces.section(SectionKind::RestPositions) = floats(self.positions.as_flattened());
-        *pieces.section(SectionKind::RestNormals) = floats(self.normals.as_flattened());
-        *pieces.section(SectionKind::RestTangents) = floats(self.tangents.as_flattened());
+        pieces.set_vertices(SectionKind::RestPositions, &floats(self.positions.as_flattened()));
+        pieces.set_vertices(SectionKind::RestNormals, &floats(self.normals.as_flattened()));
+        pieces.set_vertices(SectionKind::RestTangents, &floats(self.tangents.as_flattened()));
         let boxes = pieces.sections.iter_mut().find(|c| c.kind == SectionKind::RestBoxes.number());
         if let Some(boxes) = boxes {
             let all = [-9.0, -9.0, -9.0, 9.0, 9.0, 9.0f32];

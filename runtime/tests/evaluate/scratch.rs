@@ -4,10 +4,10 @@ use crate::common::{
     Stretched, bits, palette, palette_with, random_pose, short_error, stretched_pose,
     with_predictor, with_skin,
 };
-use models::{JOINTLESS, Rng, SMALL, STRETCHING, Shape};
+use models::{JOINTLESS, Rng, SMALL, STRETCHING, Shape, direction};
 use sinew_runtime::envelope::{EnvelopeCounts, Predictor, scratch_len};
 use sinew_runtime::skin::{CacheLine, Output};
-use sinew_runtime::{Argument, Matrix3x4, SkinJob};
+use sinew_runtime::{Argument, Envelope, Matrix3x4, Skin, SkinJob};
 
 #[test]
 fn positions_with_scratch_have_the_bits_of_positions_without() {
@@ -33,6 +33,65 @@ fn positions_with_scratch_have_the_bits_of_positions_without() {
                 }
             }
         });
+    }
+}
+
+#[test]
+fn vector_units_have_the_bits_of_one_vertex_at_a_time() {
+    for influences in [1, 2, 3, 4, 5, 16, 17] {
+        for (tangents, coefficients) in [(true, true), (false, true), (true, false)] {
+            // A block and a half of vertices, of which some follow one transform.
+            let shape = Shape { influences, vertices: 21, tangents, coefficients, ..SMALL };
+            with_skin(shape, |envelope, skin| jobs_agree(&envelope, skin));
+        }
+    }
+}
+
+/// Compares jobs of all kinds with and without vector units.
+fn jobs_agree(envelope: &Envelope<'_>, skin: Skin<'_>) {
+    let v = skin.vertex_len();
+    let mut rng = Rng(7);
+    let remap: Vec<u32> = (0..3 * v).map(|i| (i * i % v) as u32).collect();
+    let positions: Vec<_> = (0..v).map(|_| [(); 3].map(|()| rng.unit())).collect();
+    let normals: Vec<_> = (0..v).map(|_| direction(&mut rng)).collect();
+    let tangents: Vec<_> = normals.iter().map(|[x, y, z]| [*z, *x, *y, -1.0]).collect();
+    let posed = |turn| palette(envelope, &random_pose(envelope, &mut Rng(5), turn));
+    let all = |value| vec![[[value; 4]; 3]; envelope.palette_len()];
+    // Transforms without directions, far ones, one for all vertices, and mirrored ones.
+    let mut palettes = vec![posed(0.3), posed(8.0), all(0.0), all(-0.0), all(1e38), all(1e-30)];
+    palettes.push(vec![posed(8.0)[0]; envelope.palette_len()]);
+    palettes.push(posed(2.0).into_iter().map(|[x, y, z]| [x.map(|x| -x), y, z]).collect());
+    for palette in &palettes {
+        for kind in 0..4 {
+            let job = SkinJob::new(skin, palette);
+            let job = if kind % 2 == 1 { job.remap(&remap) } else { job };
+            let given = job.clone().rest_positions(&positions).rest_normals(&normals);
+            let given = if skin.has_tangents() { given.rest_tangents(&tangents) } else { given };
+            let job = if kind > 1 { given } else { job };
+            for vertices in [0..v, 3..v, 2..7, 8..16, 5..5] {
+                for attributes in 1..8 {
+                    if attributes & 4 > 0 && !skin.has_tangents() {
+                        continue;
+                    }
+                    let [expected, found] = [false, true].map(|by_vectors| {
+                        let mut out = vec![-7.0; 12 * v];
+                        let outputs = Output::interleaved(&mut out, 12, [0, 4, 8]);
+                        let has = |at: usize| {
+                            Some(outputs[at].clone()).filter(|_| attributes >> at & 1 > 0)
+                        };
+                        let job = job.clone().vertices(vertices.clone());
+                        let job = job.positions(has(0)).normals(has(1)).tangents(has(2));
+                        if by_vectors {
+                            job.run().unwrap();
+                        } else {
+                            job.one_by_one(0..vertices.len()).unwrap();
+                        }
+                        out
+                    });
+                    assert_eq!(bits(&found), bits(&expected), "{kind} {vertices:?} {attributes}");
+                }
+            }
+        }
     }
 }
 

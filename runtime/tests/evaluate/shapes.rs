@@ -250,7 +250,7 @@ fn bounds_hold_every_shaped_and_posed_vertex() {
 #[test]
 fn normals_of_length_zero_stay_zero() {
     let mut pieces = Pieces::sample(Predictor::Rotational, SHAPE);
-    pieces.section(SectionKind::RestNormals)[..12].fill(0);
+    pieces.edit_vertices(SectionKind::RestNormals, |numbers| numbers[..12].fill(0));
     pieces.set_shapes(&ShapeContent::sample(Element::F32, SHAPES, VERTICES));
     let model = Model::from_bytes(pieces.bytes()).unwrap();
     let found = run(model.first::<Skin>().unwrap(), &[1.0; SHAPES], 0..1);

@@ -320,9 +320,10 @@ fn inverse_binds_are_rigid() {
 fn normals_and_tangents_have_their_length() {
     let set = |section, vertex: usize, values: &[f32]| {
         edited(|b| {
-            for (at, value) in values.iter().enumerate() {
-                b.set_float(section, values.len() * vertex + at, *value);
-            }
+            b.edit_vertices(section, |numbers| {
+                let bytes: Vec<_> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+                numbers[bytes.len() * vertex..][..bytes.len()].copy_from_slice(&bytes);
+            });
         })
     };
     let squared = |x: f32| (1.0 + x).sqrt();
@@ -376,7 +377,7 @@ fn names_weights_twists_and_boxes_are_checked() {
         assert_eq!(edited(&|names| names[4 * last as usize] = 200), wrong(last), "beyond");
     }
 
-    let weight = |value| edited(|b| b.set_float(SectionKind::InfluenceWeights, 4, value));
+    let weight = |value| edited(|b| b.set_float(SectionKind::InfluenceWeights, 2, value));
     let wrong =
         Err(FileError { index: 2, ..skin_error(Kind::Invalid, SectionKind::InfluenceWeights) });
     assert_eq!(weight(0.75 + 9e-6), Ok(()));

@@ -16,9 +16,9 @@ fn each_field_of_the_head_is_checked() {
     let refused =
         FileError { expected: word(MAGIC), found: word(found), ..file_error(Kind::NotAModel) };
     assert_eq!(edited(|b| b.head[head::MAGIC].copy_from_slice(&found)), Err(refused));
-    for version in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11] {
+    for version in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 12] {
         let refused =
-            FileError { expected: 10, found: version.into(), ..file_error(Kind::Version) };
+            FileError { expected: 11, found: version.into(), ..file_error(Kind::Version) };
         assert_eq!(edited(|b| b.head[head::VERSION] = version), Err(refused));
     }
     let refused = FileError { found: 0x8000_0001, ..file_error(Kind::Unsupported) };

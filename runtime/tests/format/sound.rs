@@ -57,8 +57,9 @@ fn accessors_give_what_was_written() {
     assert_eq!((skin.palette_len(), skin.envelope_part()), (3, Some(0)));
     assert_eq!(skin.influences(1).collect::<Vec<_>>(), [(1, 0.75), (2, 0.25)]);
     assert_eq!(skin.influences(usize::MAX).len(), 0);
-    let written = pieces.section(SectionKind::RestNormals);
-    assert_eq!(floats(&skin.rest_normal(6).unwrap()), written[72..]);
+    pieces.edit_vertices(SectionKind::RestNormals, |written| {
+        assert_eq!(floats(&skin.rest_normal(6).unwrap()), written[72..]);
+    });
     assert_eq!(
         (skin.rest_position(7), skin.rest_normal(7), skin.rest_tangent(7)),
         Default::default()

@@ -73,7 +73,7 @@ fn each_row_of_the_section_table_is_checked() {
         let part = Some(part);
         Err(FileError { part, section, index, expected, found, ..file_error(kind) })
     };
-    let again = Content::new(SectionKind::RestNormals, 1, vec![0; 84]);
+    let again = Content::new(SectionKind::RestNormals, 1, vec![0; 96]);
     assert_eq!(
         edited(|b| b.sections.push(again)),
         at(Kind::Duplicate, 21, (1, Some(SectionKind::RestNormals)), 0, 0)

@@ -1,7 +1,7 @@
 //! Models under test: random ones of every shape, the demo character, and a real arm.
 
 use crate::backend::Loaded;
-use ::models::{Content, Pieces, halves};
+use ::models::{Content, Pieces, eights, halves};
 use faer::{Mat, MatRef};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -287,7 +287,8 @@ pub fn with_coefficients(file: &[u8], size: f64) -> Vec<u8> {
     let bits: Vec<u16> = (0..len).map(|_| half()).collect();
     let (part, kind) = (skin.part() as u16, SectionKind::TangentCoefficients);
     pieces.sections.retain(|own| (own.part, own.kind) != (part, kind.number()));
-    pieces.sections.push(Content { flags: 0, ..Content::new(kind, part, halves(&bits)) });
+    let bytes = eights(&halves(&bits), skin.influence_len() - 1, 4);
+    pieces.sections.push(Content { flags: 0, ..Content::new(kind, part, bytes) });
     pieces.bytes()
 }
 

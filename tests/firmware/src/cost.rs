@@ -37,7 +37,7 @@ pub fn servo() -> bool {
 
 #[cfg(feature = "kernel")]
 fn servo_kernel(memory: &mut Memory) -> Option<()> {
-    let model = load("servo", include_bytes!("../../golden/kernel-10-servo.snw"))?;
+    let model = load("servo", include_bytes!("../../golden/kernel-11-servo.snw"))?;
     let kernel = model.first::<KernelMap>()?;
     let scratch = cut(&mut memory.scratch, kernel.scratch_len());
     let mut rng = Rng(7);

@@ -5,7 +5,7 @@
 
 use crate::files;
 use arbitrary::{Result, Unstructured};
-use models::{Content, Pieces, group_row, seal};
+use models::{Content, Pieces, eights, from_eights, group_row, seal};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sinew_runtime::envelope::GroupRow;
@@ -203,7 +203,10 @@ fn with_floats(
     if u.int_in_range(0..=3)? == 0 {
         return change(bytes, u);
     }
-    turn(bytes, floats_of_one, u)
+    let mut numbers = from_eights(bytes, floats_of_one, 4);
+    turn(&mut numbers, floats_of_one, u)?;
+    *bytes = eights(&numbers, floats_of_one, 4);
+    Ok(())
 }
 
 /// Turns directions by quarter turns and mirrors them; a few become invalid.

@@ -43,6 +43,39 @@ pub fn blocks(matrix: &[Vec<f32>]) -> Vec<u8> {
     out
 }
 
+/// Writes numbers of vertices, given vertex by vertex, in blocks of eight vertices: for each number
+/// a row of eight. The missing vertices of the last block are zero.
+///
+/// - `numbers`: bytes of each number of each vertex.
+/// - `len`: numbers of a vertex.
+/// - `size`: bytes of a number.
+pub fn eights(numbers: &[u8], len: usize, size: usize) -> Vec<u8> {
+    let vertices: Vec<_> = numbers.chunks(len * size).collect();
+    let mut out = Vec::new();
+    for block in vertices.chunks(8) {
+        for number in 0..len {
+            for lane in 0..8 {
+                let own = block.get(lane).map(|vertex| &vertex[number * size..][..size]);
+                out.extend(own.unwrap_or(&[0; 4][..size]));
+            }
+        }
+    }
+    out
+}
+
+/// Reads what [`eights`] wrote, with the missing vertices.
+pub fn from_eights(blocks: &[u8], len: usize, size: usize) -> Vec<u8> {
+    let mut out = Vec::new();
+    for block in blocks.chunks(8 * len * size) {
+        for lane in 0..8 {
+            for number in 0..len {
+                out.extend(&block[(8 * number + lane) * size..][..size]);
+            }
+        }
+    }
+    out
+}
+
 /// Writes a row of the part table.
 pub fn part_row(row: &PartRow) -> [u8; 4] {
     let mut out = [0; 4];

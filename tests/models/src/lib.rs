@@ -25,8 +25,8 @@ mod shared;
 mod views;
 
 pub use bytes::{
-    blocks, floats, group_row, halves, input_row, kernel_rule, names, output_row, part_row,
-    section_row, words,
+    blocks, eights, floats, from_eights, group_row, halves, input_row, kernel_rule, names,
+    output_row, part_row, section_row, words,
 };
 pub use filters::FilterContent;
 pub use golden::{

@@ -19,9 +19,9 @@ pub mod head {
     /// Length of the head in bytes.
     pub const BYTES: usize = 21;
 
-    /// Head of version 10: no features, checksum not yet computed, axes and unit unknown,
+    /// Head of version 11: no features, checksum not yet computed, axes and unit unknown,
     /// right-handed.
-    pub const SOUND: [u8; BYTES] = *b"SNEW\x0a\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0";
+    pub const SOUND: [u8; BYTES] = *b"SNEW\x0b\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0";
 }
 
 /// Alignment of sections and of the blob, in bytes.

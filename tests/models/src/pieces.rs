@@ -1,6 +1,6 @@
 //! Files in pieces that may be invalid, and their assembly.
 
-use crate::bytes::{part_row, section_row};
+use crate::bytes::{eights, from_eights, part_row, section_row};
 use crate::message::head;
 use crate::message::{ALIGNMENT, Message};
 use sinew_runtime::format::{Element, MAGNITUDE_MAX, PartRow, SectionKind, SectionRow};
@@ -90,6 +90,46 @@ impl Pieces {
         &mut found.expect("the part has the section").bytes
     }
 
+    /// Changes an attribute of the first skin, vertex by vertex; see [`eights`]. Vertices that are
+    /// left out or added change the number of blocks.
+    ///
+    /// # Panics
+    /// If there is no section of this kind.
+    pub fn edit_vertices(&mut self, kind: SectionKind, edit: impl FnOnce(&mut Vec<u8>)) {
+        let (len, size) = self.numbers(kind);
+        let vertex_len = self.skin_count(0);
+        let content = self.section(kind);
+        let mut numbers = from_eights(content, len, size);
+        numbers.truncate(vertex_len * len * size);
+        edit(&mut numbers);
+        *content = eights(&numbers, len, size);
+    }
+
+    /// Replaces an attribute of the first skin.
+    ///
+    /// # Panics
+    /// If there is no section of this kind.
+    pub fn set_vertices(&mut self, kind: SectionKind, numbers: &[u8]) {
+        self.edit_vertices(kind, |own| *own = numbers.to_vec());
+    }
+
+    /// Returns the numbers of a vertex in an attribute of the first skin, and the bytes of a number.
+    fn numbers(&mut self, kind: SectionKind) -> (usize, usize) {
+        let influence_len = self.skin_count(1);
+        match kind {
+            SectionKind::RestTangents => (4, 4),
+            SectionKind::InfluenceIndices => (influence_len, 2),
+            SectionKind::InfluenceWeights => (influence_len, 4),
+            SectionKind::TangentCoefficients => (influence_len - 1, 4),
+            _ => (3, 4),
+        }
+    }
+
+    /// Returns a count of the first skin.
+    fn skin_count(&mut self, at: usize) -> usize {
+        self.word(SectionKind::SkinCounts, at).map_or(0, |word| u32::from_le_bytes(*word) as usize)
+    }
+
     /// Returns a word of the first section of a kind, if there is one.
     pub fn word(&mut self, kind: SectionKind, index: usize) -> Option<&mut [u8; 4]> {
         self.find(kind)?.as_chunks_mut().0.get_mut(index)
@@ -171,6 +211,7 @@ impl Pieces {
         let Some(influence_len) = self.word(SectionKind::SkinCounts, 1) else { return };
         let influence_len = u32::from_le_bytes(*influence_len) as usize;
         self.set_word(SectionKind::SkinCounts, 0, vertex_len);
+        let block_len = vertex_len.div_ceil(8) as usize;
         for (kind, bytes) in [
             (SectionKind::RestPositions, 12),
             (SectionKind::RestNormals, 12),
@@ -180,7 +221,7 @@ impl Pieces {
             (SectionKind::TangentCoefficients, influence_len.saturating_sub(1).saturating_mul(4)),
         ] {
             if let Some(content) = self.find(kind) {
-                content.truncate((vertex_len as usize).saturating_mul(bytes));
+                content.truncate(block_len.saturating_mul(8).saturating_mul(bytes));
             }
         }
         if let Some(ranges) = self.find(SectionKind::Ranges) {

@@ -75,7 +75,7 @@ impl PriorContent {
 }
 
 /// Name of the golden file of a face, which [`Pieces::face`] makes.
-pub const FACE_NAME: &str = "prior-10.snw";
+pub const FACE_NAME: &str = "prior-11.snw";
 
 impl Pieces {
     /// Appends a prior.

@@ -1,6 +1,6 @@
 //! Valid samples: an envelope and its skin, of any predictor and shape.
 
-use crate::bytes::{blocks, floats, halves, names, words};
+use crate::bytes::{blocks, eights, floats, halves, names, words};
 use crate::groups::sample_groups;
 use crate::message::head;
 use crate::pieces::{Content, Pieces};
@@ -174,18 +174,21 @@ fn skin(shape: Shape, palette_len: usize, rng: &mut Rng) -> Vec<Written> {
             rest_box[3 + c] = if empty { x[c] } else { rest_box[3 + c].max(x[c]) };
         }
     }
+    // Without others the section is left out.
+    let others = k.saturating_sub(1).max(1);
+    let pairs = halves(&tangent_coefficients(v * others));
     vec![
         // V, K, the envelope, R, and no shapes.
         (SectionKind::SkinCounts, words(&[end, k as u32, 0, 2, 0, 0, 0])),
         (SectionKind::Names, names("sleeve", &["upper".into(), "lower".into()])),
-        (SectionKind::RestPositions, floats(&positions)),
-        (SectionKind::RestNormals, floats(normals.as_flattened())),
-        (SectionKind::RestTangents, floats(&tangents)),
-        (SectionKind::InfluenceIndices, halves(&indices)),
-        (SectionKind::InfluenceWeights, floats(&weights)),
+        (SectionKind::RestPositions, eights(&floats(&positions), 3, 4)),
+        (SectionKind::RestNormals, eights(&floats(normals.as_flattened()), 3, 4)),
+        (SectionKind::RestTangents, eights(&floats(&tangents), 4, 4)),
+        (SectionKind::InfluenceIndices, eights(&halves(&indices), k, 2)),
+        (SectionKind::InfluenceWeights, eights(&floats(&weights), k, 4)),
         (SectionKind::RestBoxes, floats(boxes.as_flattened())),
         (SectionKind::Ranges, words(&[0, cut, end.min(cut + 1), end])),
-        (SectionKind::TangentCoefficients, halves(&tangent_coefficients(v * k.saturating_sub(1)))),
+        (SectionKind::TangentCoefficients, eights(&pairs, others, 4)),
         // Errors of the model, of its palette with cofactors, and of linear blend skinning.
         (SectionKind::NormalErrors, floats(&[0.03125, 0.0625, 0.125])),
     ]

@@ -198,4 +198,4 @@ impl Pieces {
 
 /// Names of the golden skins with shapes, which [`Pieces::shaped`] makes.
 pub const SHAPED_NAMES: [&str; 4] =
-    ["shapes-10-f32.snw", "shapes-10-f16.snw", "shapes-10-i8.snw", "shapes-10-few.snw"];
+    ["shapes-11-f32.snw", "shapes-11-f16.snw", "shapes-11-i8.snw", "shapes-11-few.snw"];

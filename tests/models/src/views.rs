@@ -382,7 +382,7 @@ impl Pieces {
 }
 
 /// Names of the golden objects, which [`Pieces::viewed`] makes.
-pub const VIEWED_NAMES: [&str; 2] = ["views-10.snw", "views-10-transferred.snw"];
+pub const VIEWED_NAMES: [&str; 2] = ["views-11.snw", "views-11-transferred.snw"];
 
 /// Lists the edges of an element by their vertices.
 fn edges(element: &[u16; 4]) -> Vec<[u16; 2]> {

@@ -133,7 +133,7 @@ fn golden(name: &str) -> Model<Vec<u8>> {
 #[test]
 fn the_uniform_block_matches_the_layout() {
     const LIMITS: &DeviceLimits = &DeviceLimits::DOWNLEVEL;
-    let [of_envelope, of_kernel] = ["envelope-10-kernel.snw", "kernel-10.snw"].map(golden);
+    let [of_envelope, of_kernel] = ["envelope-11-kernel.snw", "kernel-11.snw"].map(golden);
     let (envelope, skin) =
         (of_envelope.first::<Envelope>().unwrap(), of_envelope.first::<Skin>().unwrap());
     let batch = Batch::skinned(&envelope, &skin, 1);
@@ -141,10 +141,10 @@ fn the_uniform_block_matches_the_layout() {
     let kernel = of_kernel.first::<KernelMap>().unwrap();
     let batch = KernelBatch::new(&kernel, 1);
     let kernel = Plan::of_kernel(&of_kernel, &kernel, &batch, LIMITS).unwrap();
-    let of_skin = golden("shapes-10-f32.snw");
+    let of_skin = golden("shapes-11-f32.snw");
     let skin = of_skin.first::<Skin>().unwrap();
     let shapes = Plan::of_shapes(&of_skin, &skin, &ShapesBatch::new(&skin, 1), LIMITS).unwrap();
-    let of_filter = golden("filter-10.snw");
+    let of_filter = golden("filter-11.snw");
     let filter = of_filter.first::<Filter>().unwrap();
     let batch = FilterBatch::new(&filter, Samples::of_signal(filter.tap_len()));
     let filter = Plan::of_filter(&of_filter, &filter, &batch, LIMITS).unwrap();

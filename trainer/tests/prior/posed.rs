@@ -22,7 +22,7 @@ fn palette(len: usize) -> Vec<Matrix3x4> {
 
 #[test]
 fn a_pinned_vertex_goes_where_the_pin_is_and_the_pose_stays() {
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/shapes-10-f32.snw");
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/golden/shapes-11-f32.snw");
     let bytes = std::fs::read(golden).unwrap();
     let golden = Model::from_bytes(&bytes).unwrap();
     let bounds = vec![[0.0, 1.0]; golden.first::<Skin>().unwrap().shape_len()];

@@ -11,7 +11,7 @@ use panic_halt as _;
 use sinew_runtime::{Envelope, LocalTransform, Matrix3x4, Model, Skin, model_space_pose};
 
 /// The file, read in place and never copied. Yours: `sinew train EXAMPLES --predictor rotational`.
-static MODEL: &[u8] = include_bytes!("../../../../tests/golden/envelope-10-rotational.snw");
+static MODEL: &[u8] = include_bytes!("../../../../tests/golden/envelope-11-rotational.snw");
 
 /// Room for joints, transforms, floats of scratch, and vertices. `sinew inspect MODEL` prints a model's, the scratch
 /// in bytes.

@@ -91,7 +91,7 @@ impl GroupKernel {
 /// - `rest`: `e^-s0`.
 #[inline(always)]
 fn gaussian_change<R: Real>(s: R, gain: R, rest: R) -> R {
-    let none = R::from(0.0);
+    let none = s.splat(0.0);
     let greater = gain.where_less(none, || exp_negative(s), || rest);
     let apart = gain.where_less(none, || -gain, || gain);
     let change = greater * one_minus_exp_negative(apart);
@@ -101,7 +101,7 @@ fn gaussian_change<R: Real>(s: R, gain: R, rest: R) -> R {
 /// Clamps a to the range of e^-a, so that the polynomial before e^-a stays finite.
 #[inline(always)]
 fn bounded<R: Real>(a: R) -> R {
-    lesser(R::from(EXP_MAX), a)
+    lesser(a.splat(EXP_MAX), a)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::super::counts::BLOCK;
 use super::super::normals::{Frame, unit};
 use super::super::output::{Output, Outputs, check_range};
-use super::super::view::Skin;
+use super::super::view::{Skin, of_vertex};
 use super::blocks::Blocks;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::floats;
@@ -113,15 +113,15 @@ impl<'a> ShapesJob<'a> {
             let i = vertex - self.vertices.start;
             if let Some(out) = &self.positions {
                 let ([x, y, z], [u, v, w]) =
-                    (floats(positions.get(vertex)?), *sums.deltas.get(vertex % BLOCK)?);
+                    (of_vertex(positions, vertex)?, *sums.deltas.get(vertex % BLOCK)?);
                 out.put(i, [x + u, y + v, z + w])?;
             }
             if self.normals.is_none() && self.tangents.is_none() {
                 continue;
             }
             let [a, c] = *sums.slopes.get(vertex % BLOCK)?;
-            let n = floats(normals.get(vertex)?);
-            let tangent = tangents.get(vertex).map(floats);
+            let n = of_vertex(normals, vertex)?;
+            let tangent = of_vertex(tangents, vertex);
             if let Some(out) = &self.normals {
                 let Frame { g, h } = match tangent {
                     Some([x, y, z, _]) => Frame::of_tangent(n, [x, y, z]),

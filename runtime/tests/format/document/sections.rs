@@ -25,6 +25,7 @@ fn of_skin(formula: &str, counts: &SkinCounts, palette_len: usize, element: Elem
     evaluate(&formula.replace("(K - 1)", "K-1"), |word| match word {
         "K-1" => Some(counts.influence_len.saturating_sub(1).into()),
         "V" => Some(counts.vertex_len.into()),
+        "W" => Some(counts.vertex_len.next_multiple_of(8).into()),
         "K" => Some(counts.influence_len.into()),
         "R" => Some(counts.range_len.into()),
         "L" => Some(palette_len as u64),

@@ -2,6 +2,7 @@
 
 use crate::devices::software::{Fault, Software};
 use ::models::{FilterContent, KernelContent, Pieces, ShapeContent};
+use conformance::backend::Loaded;
 use conformance::filters::FilterSubject;
 use conformance::kernels::KernelSubject;
 use conformance::matrix::{Matrix, Scope, markdown, page};
@@ -11,14 +12,14 @@ use conformance::subject::Subject;
 use sinew_gpu::headless::{Device, HeadlessError};
 use sinew_gpu::layout::{Resource, Stage};
 use sinew_runtime::envelope::Predictor;
-use sinew_runtime::format::{Element, SectionKind};
+use sinew_runtime::format::Element;
 
 /// Measures one model of one predictor; the stages of the other predictor have nothing to compare.
 fn matrix(fault: Option<Fault>) -> Matrix {
     let random = models::random(shape_of(Predictor::Rotational));
     let mut pieces = Pieces::of(&random).expect("a random model is sound");
     pieces.append(Pieces::kernels(&[KernelContent::servo()]));
-    let vertex_len = pieces.section(SectionKind::RestPositions).len() / 12;
+    let vertex_len = Loaded::new(&random).skin.vertex_len();
     pieces.set_shapes(&ShapeContent::sample(Element::F16, 3, vertex_len));
     pieces.add_filter(&FilterContent::sample(2, 5));
     let bytes = pieces.bytes();

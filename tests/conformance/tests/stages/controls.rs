@@ -334,8 +334,9 @@ fn an_output_left_alone_is_caught() {
 fn with_others(bytes: &[u8], edit: fn(&mut [[[u8; 2]; 2]])) -> Result<(), Mismatch> {
     let subject = Subject::new("random", bytes, FEWER_POSES);
     let mut pieces = Pieces::of(bytes).expect("a sound file");
-    let coefficients = pieces.section(SectionKind::TangentCoefficients);
-    edit(coefficients.as_chunks_mut().0.as_chunks_mut().0);
+    pieces.edit_vertices(SectionKind::TangentCoefficients, |numbers| {
+        edit(numbers.as_chunks_mut().0.as_chunks_mut().0);
+    });
     let other = pieces.bytes();
     let other = Loaded::new(&other);
     let backend = altered(

@@ -8,7 +8,7 @@ firmware::image!(run);
 firmware::may_panic!();
 
 /// In flash: read in place, never copied.
-static MODEL: &[u8] = include_bytes!("../../../golden/filter-10.snw");
+static MODEL: &[u8] = include_bytes!("../../../golden/filter-11.snw");
 
 /// Samples per block, and the factor of the sample rate.
 const BLOCK: usize = 16;

@@ -8,7 +8,7 @@ firmware::image!(run);
 firmware::may_panic!();
 
 /// In flash: read in place, never copied.
-static MODEL: &[u8] = include_bytes!("../../../golden/kernel-10-servo.snw");
+static MODEL: &[u8] = include_bytes!("../../../golden/kernel-11-servo.snw");
 
 /// Floats of scratch; `sinew inspect` prints the kernel's.
 const SCRATCH: usize = 64;

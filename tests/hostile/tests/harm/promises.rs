@@ -82,7 +82,7 @@ fn counted_content_must_exist_before_anything_is_read() {
             pieces.section(SectionKind::RestNormals).fill(0xff);
             Model::from_bytes_with(pieces.bytes(), &UNLIMITED).unwrap_err()
         };
-        length(SectionKind::RestPositions, 12 * 0xffff_ffff, skin(0, u32::MAX));
+        length(SectionKind::RestPositions, 12 * 0xffff_fff8, skin(0, u32::MAX));
         limit(SkinCounts, 1, 65_535, skin(1, u32::MAX));
         length(SectionKind::InfluenceIndices, 2 * 24 * 65_535, skin(1, 65_535));
         length(SectionKind::Names, 4 * 0xffff_ffff, skin(3, 0xffff_fffe));

@@ -22,7 +22,7 @@ fn cpp_has_the_bits_of_faces_views_and_filters() {
         "parts",
         &flags,
     );
-    let paths = [FACE_NAME, VIEWED_NAMES[1], "filter-10.snw"].map(golden_path);
+    let paths = [FACE_NAME, VIEWED_NAMES[1], "filter-11.snw"].map(golden_path);
     let found = output(Command::new(program).args(&paths), GCC);
     let [face_file, views_file, filter_file] = paths.map(|path| std::fs::read(path).unwrap());
     assert_eq!(found, face(&face_file) + &views(&views_file) + &filter(&filter_file));

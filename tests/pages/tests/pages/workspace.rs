@@ -81,7 +81,7 @@ fn engine(name: &str, workspace: &str) -> PathBuf {
         &engine.join("game/src/main.rs"),
         &(blocks(&read("runtime/README.md"), "rust")[0].to_owned() + MAIN),
     );
-    for (golden, name) in [(models::GOLDEN_NAMES[0], "arm.snw"), ("kernel-10.snw", "kernel.snw")] {
+    for (golden, name) in [(models::GOLDEN_NAMES[0], "arm.snw"), ("kernel-11.snw", "kernel.snw")] {
         std::fs::copy(models::golden_path(golden), engine.join("game").join(name)).unwrap();
     }
     engine
@@ -130,7 +130,7 @@ fn no_feature_changes_a_result() {
     let lacks =
         |name: &str| format!("part 0: needs the feature `{name}`, which this build lacks\n");
     let trs = models::GOLDEN_KIND_NAMES[0];
-    assert_eq!(results(none, &["kernel-10.snw"]), lacks("kernel"));
+    assert_eq!(results(none, &["kernel-11.snw"]), lacks("kernel"));
     // The file has all three.
     for (features, lacked) in
         [("", "stretch"), ("\"stretch\"", "curves"), ("\"stretch\", \"curves\"", "trs")]

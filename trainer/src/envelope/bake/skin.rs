@@ -9,6 +9,8 @@ use half::f16;
 use nalgebra::Vector3;
 use sinew_runtime::format::{PartKind, SectionKind};
 use sinew_runtime::skin::{BLOCK, NO_ENVELOPE, SKIN_SECTIONS, ShapeErrors, SkinCounts};
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
 
 /// Sections of shapes.
 const SHAPE_SECTIONS: [SectionKind; 6] = [
@@ -21,6 +23,8 @@ const SHAPE_SECTIONS: [SectionKind; 6] = [
 ];
 /// Size of an entry in bytes.
 const ENTRY_BYTES: usize = 16;
+/// Vertices of a block of attributes.
+const EIGHT: usize = 8;
 
 impl SkinModel {
     /// Writes the skin as a part.
@@ -53,20 +57,43 @@ impl SkinModel {
         let range_names = self.ranges.iter().map(|(name, _)| name);
         let all_names = [&self.name].into_iter().chain(range_names).chain(&self.shapes.names);
         let palette_len = envelope.map_or(0, EnvelopeModel::palette_len);
+        if let Some(all) = &self.tangent_coefficients {
+            check_len("vertices with tangent coefficients", v, all.len())?;
+            for own in all {
+                check_len("tangent coefficients of a vertex", k, own.len())?;
+            }
+        }
+        let slots = self.slots(k)?;
+        let mut indices = Vec::new();
+        for slots in &slots {
+            let of = |slot: &Slot| narrow::<u16>("palette index", slot.index);
+            indices.push(slots.iter().map(of).collect::<Result<Vec<_>, _>>()?);
+        }
+        let of_slots = |slots: &Vec<Slot>| slots.iter().map(|slot| slot.weight).collect::<Vec<_>>();
+        let weights: Vec<_> = slots.iter().map(of_slots).collect();
+        let of_slots = |slots: &Vec<Slot>| {
+            slots.iter().skip(1).map(|slot| slot.coefficients).collect::<Vec<_>>()
+        };
+        let coefficients: Vec<_> = slots.iter().map(of_slots).collect();
+        let halfwords = |row: &[u16]| row.iter().flat_map(|index| index.to_le_bytes()).collect();
+        let pairs = |row: &[[f64; 2]]| halves(row.iter().flatten().copied());
         let contents = [
             (SectionKind::SkinCounts, Some(words(&counts.words()))),
             (SectionKind::Names, Some(names(all_names)?)),
-            (SectionKind::RestPositions, Some(floats(self.rest_positions.as_flattened()))),
-            (SectionKind::RestNormals, Some(floats(self.rest_normals.as_flattened()))),
+            (SectionKind::RestPositions, Some(eights(&self.rest_positions, floats))),
+            (SectionKind::RestNormals, Some(eights(&self.rest_normals, floats))),
             (
                 SectionKind::RestTangents,
-                self.rest_tangents.as_ref().map(|t| floats(t.as_flattened())),
+                self.rest_tangents.as_ref().map(|tangents| eights(tangents, floats)),
             ),
-            (SectionKind::InfluenceIndices, Some(indices(self, k)?)),
-            (SectionKind::InfluenceWeights, Some(weights(self, k)?)),
+            (SectionKind::InfluenceIndices, Some(eights(&indices, halfwords))),
+            (SectionKind::InfluenceWeights, Some(eights(&weights, floats))),
             (SectionKind::RestBoxes, Some(rest_boxes(self, &rounded, palette_len))),
             (SectionKind::Ranges, Some(words(&ranges))),
-            (SectionKind::TangentCoefficients, coefficients(self, k)?),
+            (
+                SectionKind::TangentCoefficients,
+                self.tangent_coefficients.as_ref().map(|_| eights(&coefficients, pairs)),
+            ),
             (
                 SectionKind::NormalErrors,
                 self.normal_errors.map(|errors| floats(&errors.figures().map(f64::from))),
@@ -91,43 +118,101 @@ impl SkinModel {
     }
 }
 
-/// Writes K palette indices per vertex; unused places are 0.
-fn indices(skin: &SkinModel, k: usize) -> Result<Vec<u8>, Error> {
+/// Writes numbers of vertices by blocks of eight vertices: for each number a row of eight. Zeros pad the last block.
+///
+/// - `vertices`: numbers of each vertex; the lists have one length.
+/// - `row`: writes a row.
+fn eights<T: Copy + Default>(
+    vertices: &[impl AsRef<[T]>],
+    row: impl Fn(&[T]) -> Vec<u8>,
+) -> Vec<u8> {
     let mut out = Vec::new();
-    for influences in &skin.influences {
-        for slot in 0..k {
-            let index = influences.get(slot).map_or(0, |&(index, _)| index);
-            out.extend(narrow::<u16>("palette index", index)?.to_le_bytes());
+    for block in vertices.chunks(EIGHT) {
+        for number in 0..block[0].as_ref().len() {
+            let mut numbers = [T::default(); EIGHT];
+            numbers.iter_mut().zip(block).for_each(|(out, own)| *out = own.as_ref()[number]);
+            out.extend(row(&numbers));
         }
     }
-    Ok(out)
+    out
 }
 
-/// Writes K normalised weights per vertex; unused places are 0.
-fn weights(skin: &SkinModel, k: usize) -> Result<Vec<u8>, Error> {
-    let mut out = Vec::new();
-    for (vertex, influences) in skin.influences.iter().enumerate() {
-        let sum = influences.iter().map(|&(_, weight)| weight).sum::<f64>();
-        if !(sum > 0.0 && sum.is_finite()) {
-            let message = format!("the weights of vertex {vertex} sum to {sum}, expected 1");
-            return Err(Error::value(message));
+/// An influence of a vertex in the order of the file.
+#[derive(Clone, Copy, Default)]
+struct Slot {
+    index: usize,
+    weight: f64,
+    coefficients: [f64; 2],
+}
+
+impl SkinModel {
+    /// Returns the K influences of each vertex in the order of the file, with normalised weights.
+    fn slots(&self, k: usize) -> Result<Vec<Vec<Slot>>, Error> {
+        let mut out = Vec::new();
+        for (vertex, influences) in self.influences.iter().enumerate() {
+            let sum = influences.iter().map(|&(_, weight)| weight).sum::<f64>();
+            if !(sum > 0.0 && sum.is_finite()) {
+                let message = format!("the weights of vertex {vertex} sum to {sum}, expected 1");
+                return Err(Error::value(message));
+            }
+            let coefficients = self.tangent_coefficients.as_ref().map(|all| &all[vertex]);
+            let mut slots: Vec<Slot> = Vec::new();
+            for (at, &(index, weight)) in influences.iter().enumerate() {
+                let [g, h] = coefficients.map_or([0.0; 2], |own| own[at]);
+                if let Some(own) = slots.iter_mut().find(|slot| slot.index == index) {
+                    let [own_g, own_h] = own.coefficients;
+                    own.weight += weight / sum;
+                    own.coefficients = [own_g + g, own_h + h];
+                } else {
+                    slots.push(Slot { index, weight: weight / sum, coefficients: [g, h] });
+                }
+            }
+            out.push(slots);
         }
-        let normalised = influences.iter().map(|&(_, weight)| weight / sum);
-        out.extend(floats(&normalised.chain(std::iter::repeat(0.0)).take(k).collect::<Vec<_>>()));
+        out.chunks_mut(EIGHT).for_each(|block| arrange(block, k));
+        Ok(out)
     }
-    Ok(out)
 }
 
-/// Writes g, h of the first K - 1 influences of each vertex; `None` without coefficients.
-fn coefficients(skin: &SkinModel, k: usize) -> Result<Option<Vec<u8>>, Error> {
-    let Some(all) = &skin.tangent_coefficients else { return Ok(None) };
-    check_len("vertices with tangent coefficients", skin.rest_positions.len(), all.len())?;
-    let mut out = Vec::new();
-    for coefficients in all {
-        check_len("tangent coefficients of a vertex", k, coefficients.len())?;
-        out.extend(halves(coefficients.iter().take(k.saturating_sub(1)).flatten().copied()));
+/// Orders the influences of a block of vertices so that as many slots as possible have one transform in all vertices:
+/// a reader then looks up one transform instead of eight. The first slot, to which the coefficients of the others refer,
+/// is an influence that each vertex has. Fills every vertex to K slots.
+fn arrange(block: &mut [Vec<Slot>], k: usize) {
+    let is_used = |slot: &Slot| slot.weight > 0.0 || slot.coefficients != [0.0; 2];
+    block.iter_mut().for_each(|slots| slots.retain(is_used));
+    let mut counts = BTreeMap::<usize, usize>::new();
+    for slot in block.iter().flatten() {
+        *counts.entry(slot.index).or_default() += 1;
     }
-    Ok(Some(out))
+    let mut common: Vec<_> = counts.into_iter().collect();
+    common.sort_by_key(|&(index, count)| (Reverse(count), index));
+    let (mut ordered, len) = (vec![Vec::new(); block.len()], block.len());
+    // Without a transform that all have, the strongest of each vertex is the first.
+    if common.first().is_none_or(|&(_, count)| count < len) {
+        for (slots, out) in block.iter_mut().zip(&mut ordered) {
+            let strongest = (0..slots.len())
+                .max_by(|&a, &b| slots[a].weight.total_cmp(&slots[b].weight).then(b.cmp(&a)));
+            out.extend(strongest.map(|at| slots.remove(at)));
+        }
+    }
+    for (index, _) in common {
+        let others = |slots: &[Slot]| slots.iter().filter(|slot| slot.index != index).count();
+        let has_room = block.iter().zip(&ordered).all(|(slots, out)| out.len() + others(slots) < k);
+        // A vertex whose strongest influence this is has it in the first slot.
+        if !has_room || block.iter().flatten().all(|slot| slot.index != index) {
+            continue;
+        }
+        for (slots, out) in block.iter_mut().zip(&mut ordered) {
+            let own = slots.iter().position(|slot| slot.index == index);
+            out.push(own.map_or(Slot { index, ..Slot::default() }, |at| slots.remove(at)));
+        }
+    }
+    for (slots, mut out) in block.iter_mut().zip(ordered) {
+        out.append(slots);
+        let last = out.last().map_or(0, |slot| slot.index);
+        out.resize(k, Slot { index: last, ..Slot::default() });
+        *slots = out;
+    }
 }
 
 /// Computes a box per transform of the palette: bounds of the rounded rest positions that the transform moves. The box

@@ -154,12 +154,11 @@ impl SkinModel {
     }
 }
 
-/// Converts a vertex's tangent coefficients to f64; the last influence gets minus the sum of the others.
+/// Converts a vertex's tangent coefficients to f64; the first influence gets minus the sum of the others.
 fn coefficients(skin: &Skin<'_>, vertex: usize) -> Vec<[f64; 2]> {
     let mut all: Vec<_> = skin.tangent_coefficients(vertex).map(|c| c.map(f64::from)).collect();
     let sum = |which: usize| all.iter().map(|c| c[which]).sum::<f64>();
-    let last = [-sum(0), -sum(1)];
-    all.push(last);
+    all.insert(0, [-sum(0), -sum(1)]);
     all
 }
 

@@ -101,12 +101,12 @@ impl PosedSurface<'_> {
         let lean = self.authored.then(|| Lean::new(fan, at_rest, frame)).flatten();
         let plane = if self.authored { lean.as_ref().map(|lean| &lean.plane) } else { Some(frame) };
         let images = plane.and_then(|plane| fan.images(at_rest, plane));
-        let (last, others) = influences.split_last().map_or((0, &[][..]), |(last, o)| (last.0, o));
+        let (first, others) = influences.split_first().map_or((0, &[][..]), |(f, o)| (f.0, o));
         let x = self.rest[fan.centre];
         let differences: Vec<Vec<f64>> = others
             .iter()
             .map(|&(l, _)| {
-                self.combined(&[(l, [x[0], x[1], x[2], 1.0]), (last, [-x[0], -x[1], -x[2], -1.0])])
+                self.combined(&[(l, [x[0], x[1], x[2], 1.0]), (first, [-x[0], -x[1], -x[2], -1.0])])
             })
             .collect();
         let blended = frame.map(|axis| {
@@ -265,7 +265,7 @@ mod tests {
             let x = rest(fan.centre).push(1.0);
             let moved = |l: usize| map(influences[l].0, pose) * x;
             for l in 0..free {
-                let apart = root * (moved(l) - moved(free));
+                let apart = root * (moved(l + 1) - moved(0));
                 left.fixed_view_mut::<3, 1>(3 * pose, l).copy_from(&apart);
             }
             for (k, axis) in [t, b].into_iter().enumerate() {
@@ -297,7 +297,7 @@ mod tests {
             let expected = brute_force(&surface, &fans[vertex], frame, own);
             let found = surface.posed(&fans[vertex], &frame, own).linear().unwrap();
             let size = expected.amax().max(1e-3);
-            for (a, found) in found[..own.len() - 1].iter().enumerate() {
+            for (a, found) in found[1..].iter().enumerate() {
                 for k in 0..2 {
                     let difference = found[k] - expected[(a, k)];
                     assert!(difference.abs() < 1e-6 * size, "{vertex}: {difference} of {size}");

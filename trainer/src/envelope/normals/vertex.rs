@@ -30,9 +30,9 @@ pub(super) type Coefficients = Vec<[f64; 2]>;
 /// A vertex, in the poses where it has a true normal.
 pub(super) struct PosedVertex {
     pub(super) poses: Vec<VertexPose>,
-    /// `y_l - y_K` of each influence but the last, pose by pose.
+    /// `y_l - y_1` of each influence but the first, pose by pose.
     pub(super) differences: Vec<Vector3<f64>>,
-    /// Number of free influences: all but the last, K - 1.
+    /// Number of free influences: all but the first, K - 1.
     pub(super) free: usize,
     /// Number of training poses, also those without a true normal.
     pub(super) pose_len: usize,
@@ -78,7 +78,7 @@ impl PosedVertex {
         self.posed(coefficients).map(|(_, pose, axes)| angle((pose, axes)).powi(2)).sum()
     }
 
-    /// Lists `y_l - y_K`, the pose, and the images of t and b under some coefficients, pose by pose.
+    /// Lists `y_l - y_1`, the pose, and the images of t and b under some coefficients, pose by pose.
     fn posed<'a>(
         &'a self,
         coefficients: &'a [[f64; 2]],
@@ -86,8 +86,8 @@ impl PosedVertex {
         self.poses.iter().enumerate().map(move |(number, pose)| {
             let differences = &self.differences[self.free * number..][..self.free];
             let image = |k: usize| {
-                let added =
-                    differences.iter().zip(coefficients).map(|(difference, c)| difference * c[k]);
+                let others = coefficients.iter().skip(1);
+                let added = differences.iter().zip(others).map(|(difference, c)| difference * c[k]);
                 pose.blended[k] + added.sum::<Vector3<f64>>()
             };
             (differences, pose, [image(0), image(1)])
@@ -203,11 +203,11 @@ impl PosedVertex {
         }
         let mean = gram.diagonal().column_vector().sum() / len as f64;
         let ridge = RIDGE * mean + self.rounding_ridge();
-        for (a, c) in from[..self.free].as_flattened().iter().enumerate() {
+        for (a, c) in from[1..].as_flattened().iter().enumerate() {
             right[(a, 0)] -= ridge * c;
         }
         let change = solve_ridge(&mut gram, right, ridge + damping * mean);
-        let next = |a: usize| [0, 1].map(|k| from[a][k] + change[(2 * a + k, 0)]);
+        let next = |a: usize| [0, 1].map(|k| from[a + 1][k] + change[(2 * a + k, 0)]);
         balanced((0..self.free).map(next).collect())
     }
 }
@@ -220,16 +220,15 @@ fn tangential_weight([u, v]: [Vector3<f64>; 2]) -> f64 {
 
 /// Rounds coefficients to half precision, as a file does. A coefficient beyond its range becomes infinite.
 fn rounded(mut coefficients: Coefficients, unit: f64) -> Coefficients {
-    coefficients.pop();
+    coefficients.remove(0);
     let round = |c: f64| unit * f64::from(half(c / unit));
     balanced(coefficients.into_iter().map(|c| c.map(round)).collect())
 }
 
-/// Appends the coefficients of the last influence: minus the sum of the others.
+/// Inserts the coefficients of the first influence: minus the sum of the others.
 fn balanced(mut coefficients: Coefficients) -> Coefficients {
     let sum = |k: usize| coefficients.iter().map(|c| c[k]).sum::<f64>();
-    let of_last = [-sum(0), -sum(1)];
-    coefficients.push(of_last);
+    coefficients.insert(0, [-sum(0), -sum(1)]);
     coefficients
 }
 
@@ -237,7 +236,7 @@ fn balanced(mut coefficients: Coefficients) -> Coefficients {
 mod tests {
     use super::*;
 
-    /// A pose: the true normal, the true images, and `y_1 - y_2`.
+    /// A pose: the true normal, the true images, and `y_2 - y_1`.
     type Truth = (Vector3<f64>, [Vector3<f64>; 2], Vector3<f64>);
 
     /// Returns a vertex with two influences in some poses. Its blended transform keeps t and b.
@@ -290,7 +289,7 @@ mod tests {
             poses.iter().map(of_pose).sum()
         };
         let [linear, found] =
-            [posed.linear().unwrap(), posed.fit(1.0).unwrap()].map(|found| found[0][0]);
+            [posed.linear().unwrap(), posed.fit(1.0).unwrap()].map(|found| found[1][0]);
         let least =
             (0..4000).map(|k| whole(f64::from(k) * 1e-3 - 1.0)).fold(f64::INFINITY, f64::min);
         assert!(whole(found) < 1.01 * least && whole(linear) > 1.1 * least, "{linear} {found}");

@@ -1,9 +1,7 @@
-//! Scratch on small processors, which have no vector units: jobs use none.
+//! Small processors have no vector units: jobs use no scratch, and skin one vertex at a time.
 
-use super::blend::Fours;
-use super::output::Output;
+use super::job::SkinJob;
 use crate::error::CallError;
-use crate::linear::{Le, Matrix3x4};
 use core::marker::PhantomData;
 
 /// A transform in the scratch of a job. Small processors use none.
@@ -27,15 +25,9 @@ impl<'a> Scratch<'a> {
     pub(super) const fn check(&self, _: usize) -> Result<(), CallError> {
         Ok(())
     }
+}
 
-    #[inline(always)]
-    pub(super) const fn positions(
-        &self,
-        _: &[Matrix3x4],
-        _: &[[Le; 3]],
-        _: Fours<'_>,
-        _: &Output<'_>,
-    ) -> Option<()> {
-        None
-    }
+#[inline(always)]
+pub(super) const fn run(_: &SkinJob<'_>) -> Option<()> {
+    None
 }

@@ -1,0 +1,19 @@
+//! Skinning with vector units. The operations on a float and their order are those of the loops for one vertex, so the
+//! bits are equal.
+
+mod block;
+mod columns;
+mod eights;
+
+use super::job::SkinJob;
+use crate::vectors::level;
+pub use columns::CacheLine;
+pub(super) use columns::Scratch;
+
+/// Runs a job that has been checked. `None` without vector units or influences.
+pub(super) fn run(job: &SkinJob<'_>) -> Option<()> {
+    let level = level()?;
+    let alone = job.normals.is_none() && job.tangents.is_none();
+    let done = if alone { columns::run(level, job) } else { None };
+    done.or_else(|| eights::run(level, job))
+}
