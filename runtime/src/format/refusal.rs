@@ -54,6 +54,7 @@ impl<'a> Loading<'a> {
 
     /// Refuses an element that breaks a rule of its section.
     #[cold]
+    #[inline(never)]
     pub(crate) fn invalid(&self, section: SectionKind, index: usize) -> Checked {
         Err(self.refuse(FileErrorKind::Invalid, Some(section), index, [0; 2]))
     }

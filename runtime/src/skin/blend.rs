@@ -4,6 +4,9 @@ use super::view::{EIGHT, Row, Skin, rows_of};
 use crate::linear::Matrix3x4;
 use glam::{Mat4, Vec4};
 
+/// Rows of the influences of a block: indices and weights.
+type InfluenceRows<'a> = (&'a [[[u8; 2]; EIGHT]], &'a [Row]);
+
 /// Influences of all vertices, and the palette.
 pub(super) struct Influences<'a> {
     palette: &'a [Matrix3x4],
@@ -41,7 +44,7 @@ impl<'a> Influences<'a> {
 
     /// Returns the rows of a vertex's block. `None` if the vertex is beyond the mesh.
     #[inline(always)]
-    pub(super) fn rows(&self, vertex: usize) -> Option<(&'a [[[u8; 2]; EIGHT]], &'a [Row])> {
+    pub(super) fn rows(&self, vertex: usize) -> Option<InfluenceRows<'a>> {
         Some((rows_of(self.indices, self.len, vertex)?, rows_of(self.weights, self.len, vertex)?))
     }
 
@@ -49,7 +52,7 @@ impl<'a> Influences<'a> {
     #[inline(always)]
     pub(super) fn blend_rows(
         &self,
-        (indices, weights): (&[[[u8; 2]; EIGHT]], &[Row]),
+        (indices, weights): InfluenceRows<'_>,
         vertex: usize,
     ) -> Option<Mat4> {
         blend(self.palette, indices, weights, vertex)
@@ -65,14 +68,12 @@ impl<'a> Influences<'a> {
             let weights = self.weights.as_chunks::<4>().0.get(vertex / EIGHT)?;
             return blend(self.palette, indices, weights, vertex);
         }
-        if self.len == 0 {
-            return Some(Mat4::IDENTITY);
-        }
         self.blend_rows(self.rows(vertex)?, vertex)
     }
 }
 
-/// Blends the transforms of a vertex, first to last, and returns the columns of the sum.
+/// Blends the transforms of a vertex, first to last, and returns the columns of the sum; the identity without
+/// influences.
 ///
 /// `None` if an index is beyond the palette. Loading checks the indices, so the file's bytes must have changed since.
 ///
@@ -84,7 +85,8 @@ fn blend(
     weights: &[Row],
     vertex: usize,
 ) -> Option<Mat4> {
-    let [mut x, mut y, mut z] = [Vec4::ZERO; 3];
+    let one = if weights.is_empty() { 1.0 } else { 0.0 };
+    let (mut x, mut y, mut z) = (Vec4::X * one, Vec4::Y * one, Vec4::Z * one);
     for (indices, weights) in indices.iter().zip(weights) {
         let index = u16::from_le_bytes(indices[vertex % EIGHT]);
         let [a, b, c] = palette.get(usize::from(index))?;

@@ -129,21 +129,21 @@ impl<'a> Skin<'a> {
         // A weighted mean of K terms and a product of 4 terms have an error of less than K + 8 roundings.
         let slack = WEIGHT_SUM_TOLERANCE + (self.influence_len() as f32 + 8.0) * f32::EPSILON;
         let mut union: Option<Bounds> = None;
-        let mut join = |own: &Bounds| match &mut union {
-            Some(union) => union.join(own),
-            None => union = Some(*own),
-        };
-        for (rest, transform) in self.boxes().iter().zip(palette) {
-            if let Some(mut rest) = Bounds::from_corners(rest) {
-                widen(&mut rest);
-                join(&rest.moved(transform, slack));
-            }
-        }
-        let fixed = if self.envelope_part().is_none() { self.vertex_len() } else { 0 };
-        for vertex in 0..fixed {
-            let mut rest = Bounds::of(of_vertex(self.positions(), vertex)?);
+        let (boxes, positions) = (self.boxes(), self.positions());
+        // Without influences each vertex is a box that nothing moves.
+        let fixed = if self.influence_len() == 0 { self.vertex_len() } else { 0 };
+        for at in 0..boxes.len().max(fixed) {
+            let rest = match fixed {
+                0 => Bounds::from_corners(boxes.get(at)?),
+                _ => of_vertex(positions, at).map(Bounds::of),
+            };
+            let Some(mut rest) = rest else { continue };
             widen(&mut rest);
-            join(&rest);
+            let own = palette.get(at).map_or(rest, |transform| rest.moved(transform, slack));
+            match &mut union {
+                Some(union) => union.join(&own),
+                None => union = Some(own),
+            }
         }
         union
     }

@@ -6,8 +6,8 @@ use super::counts::{
 };
 #[cfg(feature = "shapes")]
 use super::shapes;
-use super::view::{EIGHT, Row, Skin, float, of_vertex, rows_of};
-use crate::format::content::{check_counts, check_floats, check_index, check_names};
+use super::view::{EIGHT, Row, Skin, float};
+use crate::format::content::{check_counts, check_floats, check_names};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
 use crate::format::{Element, FileErrorKind as Kind, SectionKind};
@@ -67,16 +67,10 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
     |skin, loading| check_names(loading, skin.names()),
     |skin, loading| check_floats(loading, &skin.0, &RULES),
     |skin, loading| {
-        check_directions(skin, loading, SectionKind::RestNormals, skin.normals().as_flattened(), 3)
+        check_directions(loading, SectionKind::RestNormals, skin.normals().as_flattened(), 3)
     },
     |skin, loading| {
-        check_directions(
-            skin,
-            loading,
-            SectionKind::RestTangents,
-            skin.tangents().as_flattened(),
-            4,
-        )
+        check_directions(loading, SectionKind::RestTangents, skin.tangents().as_flattened(), 4)
     },
     check_ranges,
     check_influences,
@@ -88,26 +82,26 @@ static CHECKS: [fn(&Skin<'_>, &Loading<'_>) -> Checked;
 
 /// Checks the lengths of directions. Normals have length 1 or 0; tangents have length 1, and a handedness of 1 or -1.
 ///
-/// - `rows`: `len` rows for each block; none if the section is missing.
 /// - `len`: floats of a direction, 3 for normals or 4 for tangents.
 fn check_directions(
-    skin: &Skin<'_>,
     loading: &Loading<'_>,
     section: SectionKind,
     rows: &[Row],
     len: usize,
 ) -> Checked {
-    for vertex in 0..skin.vertex_len() {
-        let own = rows_of(rows, len, vertex).and_then(<[_]>::split_first_chunk);
-        let Some(([x, y, z], hand)) = own else { return Ok(()) };
-        let direction = [float(x, vertex), float(y, vertex), float(z, vertex)];
-        let is_unit = (dot(direction, direction) - 1.0).abs() <= LENGTH_TOLERANCE;
-        let fits = match hand.first() {
-            None => is_unit || direction == [0.0; 3],
-            Some(hand) => is_unit && float(hand, vertex).abs() == 1.0,
-        };
-        if !fits {
-            return loading.invalid(section, vertex);
+    for (block, rows) in rows.chunks_exact(len.max(1)).enumerate() {
+        let Some(([x, y, z], hand)) = rows.split_first_chunk() else { continue };
+        for lane in 0..EIGHT {
+            let (x, y, z) = (float(x, lane), float(y, lane), float(z, lane));
+            let is_unit = (dot([x, y, z], [x, y, z]) - 1.0).abs() <= LENGTH_TOLERANCE;
+            let fits = match hand.first() {
+                // 0 or -0.
+                None => is_unit || (x.to_bits() | y.to_bits() | z.to_bits()) << 1 == 0,
+                Some(hand) => is_unit && float(hand, lane).abs() == 1.0,
+            };
+            if !fits {
+                return loading.invalid(section, EIGHT * block + lane);
+            }
         }
     }
     Ok(())
@@ -129,28 +123,35 @@ fn check_ranges(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 /// Checks that influences refer to the palette, that weights sum to 1, and that vertices are in the boxes of their
 /// transforms.
 fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
-    let (below, k, boxes) = (skin.palette_len() as u32, skin.influence_len(), skin.boxes());
-    let (all_indices, all_weights, positions) = (skin.indices(), skin.weights(), skin.positions());
-    let vertex_len = if skin.envelope_part().is_some() { skin.vertex_len() } else { 0 };
-    for vertex in 0..vertex_len {
-        let indices = rows_of(all_indices, k, vertex).unwrap_or_default();
-        let weights = rows_of(all_weights, k, vertex).unwrap_or_default();
-        let Some(position) = of_vertex(positions, vertex) else { return Ok(()) };
-        let (mut sum, mut at) = (0.0, vertex / EIGHT * EIGHT * k + vertex % EIGHT);
-        for (index, weight) in indices.iter().zip(weights) {
-            let found = u16::from_le_bytes(index[vertex % EIGHT]);
-            check_index(loading, SectionKind::InfluenceIndices, at, below, found.into())?;
-            let (found, weight) = (usize::from(found), float(weight, vertex));
-            sum += weight;
-            at += EIGHT;
-            let inside = boxes.get(found).is_some_and(|rest| is_inside(rest, position));
-            if weight > 0.0 && !inside {
-                let (section, values) = (Some(SectionKind::RestBoxes), [0, vertex as u32]);
-                return Err(loading.refuse(Kind::Invalid, section, found, values));
+    // Without an envelope K is 0; chunks of 0 would panic.
+    let (boxes, k) = (skin.boxes(), skin.influence_len().max(1));
+    let influences = skin.indices().chunks_exact(k).zip(skin.weights().chunks_exact(k));
+    for (block, (rest, (indices, weights))) in skin.positions().iter().zip(influences).enumerate() {
+        for lane in 0..EIGHT {
+            let vertex = EIGHT * block + lane;
+            let position = [float(&rest[0], lane), float(&rest[1], lane), float(&rest[2], lane)];
+            let mut sum = 0.0;
+            for ((index, weight), row) in indices.iter().zip(weights).zip(block * k..) {
+                let (found, weight) = (u16::from_le_bytes(index[lane]), float(weight, lane));
+                let (kind, section, at, values) = match boxes.get(usize::from(found)) {
+                    None => {
+                        let (section, at) = (SectionKind::InfluenceIndices, EIGHT * row + lane);
+                        (Kind::Index, section, at, [boxes.len() as u32, found.into()])
+                    }
+                    Some(rest) if weight > 0.0 && !is_inside(rest, position) => {
+                        let values = [0, vertex as u32];
+                        (Kind::Invalid, SectionKind::RestBoxes, found.into(), values)
+                    }
+                    Some(_) => {
+                        sum += weight;
+                        continue;
+                    }
+                };
+                return Err(loading.refuse(kind, Some(section), at, values));
             }
-        }
-        if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
-            return loading.invalid(SectionKind::InfluenceWeights, vertex);
+            if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
+                return loading.invalid(SectionKind::InfluenceWeights, vertex);
+            }
         }
     }
     Ok(())

@@ -75,7 +75,7 @@ impl SkinCounts {
     /// Returns the flags and sizes that [`RULES`] refer to.
     pub(crate) const fn asked(&self, palette_len: u32, element: Element) -> Asked {
         let Self { vertex_len: v, influence_len: k, range_len: r, shape_len: s, .. } = *self;
-        let p = (v.div_ceil(EIGHT as u32)).saturating_mul(EIGHT as u32);
+        let p = v.saturating_add(EIGHT as u32 - 1) & !(EIGHT as u32 - 1);
         let follows = if self.envelope == NO_ENVELOPE { 0 } else { FOLLOWS };
         let blends = if follows != 0 && k > 1 { BLENDS } else { 0 };
         let shaped = if s > 0 { SHAPED } else { 0 };

@@ -173,12 +173,7 @@ fn skin_positions_only(
         let (rest, rows) = (positions.get(vertex / EIGHT)?, influences.rows(vertex)?);
         for lane in vertex % EIGHT..EIGHT.min(vertex % EIGHT + vertices.end - vertex) {
             let rest = [float(&rest[0], lane), float(&rest[1], lane), float(&rest[2], lane)];
-            // Without an envelope: adding 0 turns -0 into +0, as the identity does.
-            let posed = match skin.influence_len() {
-                0 => rest.map(|x| x + 0.0),
-                _ => moved(&influences.blend_rows(rows, lane)?, rest),
-            };
-            out.put(i, posed)?;
+            out.put(i, moved(&influences.blend_rows(rows, lane)?, rest))?;
             i += 1;
         }
         vertex += EIGHT - vertex % EIGHT;

@@ -149,9 +149,14 @@ impl Output<'_> {
             for (row, at) in first.iter().zip([0, 3, 6, 9, 12, 15, 18]) {
                 // One store a row: the next row overwrites the fourth float.
                 let [x, y, z, w] = [&floats[at], &floats[at + 1], &floats[at + 2], &floats[at + 3]];
-                (x.set(row[0]), y.set(row[1]), z.set(row[2]), w.set(row[3]));
+                x.set(row[0]);
+                y.set(row[1]);
+                z.set(row[2]);
+                w.set(row[3]);
             }
-            (floats[21].set(last[0]), floats[22].set(last[1]), floats[23].set(last[2]));
+            floats[21].set(last[0]);
+            floats[22].set(last[1]);
+            floats[23].set(last[2]);
             return Some(());
         }
         // Chunks of 0 would panic.

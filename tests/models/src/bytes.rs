@@ -55,8 +55,8 @@ pub fn eights(numbers: &[u8], len: usize, size: usize) -> Vec<u8> {
     for block in vertices.chunks(8) {
         for number in 0..len {
             for lane in 0..8 {
-                let own = block.get(lane).map(|vertex| &vertex[number * size..][..size]);
-                out.extend(own.unwrap_or(&[0; 4][..size]));
+                let own = block[lane.min(block.len() - 1)];
+                out.extend(&own[number * size..][..size]);
             }
         }
     }

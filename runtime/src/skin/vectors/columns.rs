@@ -105,10 +105,15 @@ fn packed<S: Simd>(
         // One store: the next vertex overwrites the fourth float.
         let at = 3 * lane;
         let [x, y, z, w] = [&floats[at], &floats[at + 1], &floats[at + 2], &floats[at + 3]];
-        (x.set(moved[0]), y.set(moved[1]), z.set(moved[2]), w.set(moved[3]));
+        x.set(moved[0]);
+        y.set(moved[1]);
+        z.set(moved[2]);
+        w.set(moved[3]);
     }
     let [x, y, z, _] = moved(simd, columns, block, EIGHT - 1)?;
-    (floats[21].set(x), floats[22].set(y), floats[23].set(z));
+    floats[21].set(x);
+    floats[22].set(y);
+    floats[23].set(z);
     Some(())
 }
 

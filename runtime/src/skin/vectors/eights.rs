@@ -49,9 +49,7 @@ fn all<S: Simd, const CORRECTED: bool, const DIRECTIONS: usize>(
     while done < range.len() {
         let lanes = lane..EIGHT.min(lane + range.len() - done);
         (lane, done) = (0, done + lanes.len());
-        // The padding of the file's last block is not checked: its vertices are gathered.
-        let is_padded = range.start + done > job.skin.vertex_len() / EIGHT * EIGHT;
-        let block = match job.remap.is_some() || is_given || is_padded {
+        let block = match job.remap.is_some() || is_given {
             true => gathered.gather(job, done - lanes.len(), &lanes)?,
             false => Block::of_file(job, range.start + done - lanes.len())?,
         };

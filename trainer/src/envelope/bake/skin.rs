@@ -118,20 +118,17 @@ impl SkinModel {
     }
 }
 
-/// Writes numbers of vertices by blocks of eight vertices: for each number a row of eight. Zeros pad the last block.
+/// Writes numbers of vertices by blocks of eight vertices: for each number a row of eight. The last vertex fills the
+/// last block.
 ///
 /// - `vertices`: numbers of each vertex; the lists have one length.
 /// - `row`: writes a row.
-fn eights<T: Copy + Default>(
-    vertices: &[impl AsRef<[T]>],
-    row: impl Fn(&[T]) -> Vec<u8>,
-) -> Vec<u8> {
+fn eights<T: Copy>(vertices: &[impl AsRef<[T]>], row: impl Fn(&[T]) -> Vec<u8>) -> Vec<u8> {
     let mut out = Vec::new();
     for block in vertices.chunks(EIGHT) {
         for number in 0..block[0].as_ref().len() {
-            let mut numbers = [T::default(); EIGHT];
-            numbers.iter_mut().zip(block).for_each(|(out, own)| *out = own.as_ref()[number]);
-            out.extend(row(&numbers));
+            let own = |lane: usize| block[lane.min(block.len() - 1)].as_ref()[number];
+            out.extend(row(&std::array::from_fn::<_, EIGHT, _>(own)));
         }
     }
     out
