@@ -1,7 +1,8 @@
 //! Blending: from a palette to the transform of a vertex, and the transform of vectors.
 
-use super::view::{EIGHT, Row, Skin, rows_of};
+use super::view::{EIGHT, Row, Skin};
 use crate::linear::Matrix3x4;
+use crate::matrix::IDENTITY;
 use glam::{Mat4, Vec4};
 
 /// Rows of the influences of a block: indices and weights.
@@ -10,17 +11,17 @@ type InfluenceRows<'a> = (&'a [[[u8; 2]; EIGHT]], &'a [Row]);
 /// Influences of all vertices, and the palette.
 pub(super) struct Influences<'a> {
     palette: &'a [Matrix3x4],
-    /// K rows for each block of vertices.
     indices: &'a [[[u8; 2]; EIGHT]],
-    /// K rows for each block of vertices.
     weights: &'a [Row],
-    /// Number of influences of a vertex, K; 0 without an envelope.
+    /// Rows of a block of vertices.
     len: usize,
+    /// Rows from a block to the next.
+    step: usize,
 }
 
 #[cfg(feature = "prior")]
 impl Skin<'_> {
-    /// Blends the transforms of a vertex; the identity without influences.
+    /// Blends the transforms of a vertex, or is the identity without an envelope.
     ///
     /// `None` if the vertex is beyond the mesh, or if the palette is too short.
     pub(crate) fn blended(&self, palette: &[Matrix3x4], vertex: usize) -> Option<Matrix3x4> {
@@ -37,15 +38,26 @@ impl Skin<'_> {
 const UNROLL: bool = cfg!(any(target_pointer_width = "64", target_family = "wasm"));
 
 impl<'a> Influences<'a> {
+    /// Without an envelope every vertex follows the identity.
     pub(super) fn new(skin: &Skin<'a>, palette: &'a [Matrix3x4]) -> Self {
-        let (indices, weights) = (skin.indices(), skin.weights());
-        Self { palette, indices, weights, len: skin.influence_len() }
+        const PALETTE: &[Matrix3x4] = &[IDENTITY];
+        const INDICES: &[[[u8; 2]; EIGHT]] = &[[[0; 2]; EIGHT]];
+        const WEIGHTS: &[Row] = &[[1.0f32.to_le_bytes(); EIGHT]];
+        match skin.influence_len() {
+            0 => Self { palette: PALETTE, indices: INDICES, weights: WEIGHTS, len: 1, step: 0 },
+            len => {
+                let (indices, weights) = (skin.indices(), skin.weights());
+                Self { palette, indices, weights, len, step: len }
+            }
+        }
     }
 
     /// Returns the rows of a vertex's block. `None` if the vertex is beyond the mesh.
     #[inline(always)]
     pub(super) fn rows(&self, vertex: usize) -> Option<InfluenceRows<'a>> {
-        Some((rows_of(self.indices, self.len, vertex)?, rows_of(self.weights, self.len, vertex)?))
+        let first = vertex / EIGHT * self.step;
+        let own = first..first + self.len;
+        Some((self.indices.get(own.clone())?, self.weights.get(own)?))
     }
 
     /// Blends the transforms of a vertex from the rows of its block, as [`blend`] does.
@@ -58,7 +70,7 @@ impl<'a> Influences<'a> {
         blend(self.palette, indices, weights, vertex)
     }
 
-    /// Blends the transforms of a vertex; the identity without influences.
+    /// Blends the transforms of a vertex, or is the identity without an envelope.
     ///
     /// `None` if the vertex is beyond the mesh, or as for [`blend`].
     #[inline(always)]
@@ -72,8 +84,7 @@ impl<'a> Influences<'a> {
     }
 }
 
-/// Blends the transforms of a vertex, first to last, and returns the columns of the sum; the identity without
-/// influences.
+/// Blends the transforms of a vertex, first to last, and returns the columns of the sum.
 ///
 /// `None` if an index is beyond the palette. Loading checks the indices, so the file's bytes must have changed since.
 ///
@@ -85,8 +96,10 @@ fn blend(
     weights: &[Row],
     vertex: usize,
 ) -> Option<Mat4> {
-    let one = if weights.is_empty() { 1.0 } else { 0.0 };
-    let (mut x, mut y, mut z) = (Vec4::X * one, Vec4::Y * one, Vec4::Z * one);
+    if indices.is_empty() || weights.is_empty() {
+        return None;
+    }
+    let (mut x, mut y, mut z) = (Vec4::ZERO, Vec4::ZERO, Vec4::ZERO);
     for (indices, weights) in indices.iter().zip(weights) {
         let index = u16::from_le_bytes(indices[vertex % EIGHT]);
         let [a, b, c] = palette.get(usize::from(index))?;

@@ -6,7 +6,7 @@ use super::counts::{
 };
 #[cfg(feature = "shapes")]
 use super::shapes;
-use super::view::{EIGHT, Row, Skin, float};
+use super::view::{EIGHT, Row, Skin, float, rows_of};
 use crate::format::content::{check_counts, check_floats, check_names};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};
@@ -89,20 +89,19 @@ fn check_directions(
     rows: &[Row],
     len: usize,
 ) -> Checked {
-    for (block, rows) in rows.chunks_exact(len.max(1)).enumerate() {
-        let Some(([x, y, z], hand)) = rows.split_first_chunk() else { continue };
-        for lane in 0..EIGHT {
-            let (x, y, z) = (float(x, lane), float(y, lane), float(z, lane));
-            let is_unit = (dot([x, y, z], [x, y, z]) - 1.0).abs() <= LENGTH_TOLERANCE;
-            let fits = match hand.first() {
-                // 0 or -0.
-                None => is_unit || (x.to_bits() | y.to_bits() | z.to_bits()) << 1 == 0,
-                Some(hand) => is_unit && float(hand, lane).abs() == 1.0,
-            };
-            if !fits {
-                return loading.invalid(section, EIGHT * block + lane);
-            }
+    let mut vertex = 0;
+    while let Some([x, y, z, hand @ ..]) = rows_of(rows, len, vertex) {
+        let (x, y, z) = (float(x, vertex), float(y, vertex), float(z, vertex));
+        let is_unit = (dot([x, y, z], [x, y, z]) - 1.0).abs() <= LENGTH_TOLERANCE;
+        let fits = match hand.first() {
+            // 0 or -0.
+            None => is_unit || (x.to_bits() | y.to_bits() | z.to_bits()) << 1 == 0,
+            Some(hand) => is_unit && float(hand, vertex).abs() == 1.0,
+        };
+        if !fits {
+            return loading.invalid(section, vertex);
         }
+        vertex += 1;
     }
     Ok(())
 }
@@ -123,36 +122,38 @@ fn check_ranges(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
 /// Checks that influences refer to the palette, that weights sum to 1, and that vertices are in the boxes of their
 /// transforms.
 fn check_influences(skin: &Skin<'_>, loading: &Loading<'_>) -> Checked {
-    // Without an envelope K is 0; chunks of 0 would panic.
-    let (boxes, k) = (skin.boxes(), skin.influence_len().max(1));
-    let influences = skin.indices().chunks_exact(k).zip(skin.weights().chunks_exact(k));
-    for (block, (rest, (indices, weights))) in skin.positions().iter().zip(influences).enumerate() {
-        for lane in 0..EIGHT {
-            let vertex = EIGHT * block + lane;
-            let position = [float(&rest[0], lane), float(&rest[1], lane), float(&rest[2], lane)];
-            let mut sum = 0.0;
-            for ((index, weight), row) in indices.iter().zip(weights).zip(block * k..) {
-                let (found, weight) = (u16::from_le_bytes(index[lane]), float(weight, lane));
-                let (kind, section, at, values) = match boxes.get(usize::from(found)) {
-                    None => {
-                        let (section, at) = (SectionKind::InfluenceIndices, EIGHT * row + lane);
-                        (Kind::Index, section, at, [boxes.len() as u32, found.into()])
-                    }
-                    Some(rest) if weight > 0.0 && !is_inside(rest, position) => {
-                        let values = [0, vertex as u32];
-                        (Kind::Invalid, SectionKind::RestBoxes, found.into(), values)
-                    }
-                    Some(_) => {
-                        sum += weight;
-                        continue;
-                    }
-                };
-                return Err(loading.refuse(kind, Some(section), at, values));
+    // Without an envelope K is 0, and there are no influences.
+    let (boxes, positions, k) = (skin.boxes(), skin.positions(), skin.influence_len().max(1));
+    let influences = skin.indices().as_flattened().iter().zip(skin.weights().as_flattened());
+    let mut sums = [0.0; EIGHT];
+    for (at, (index, weight)) in influences.enumerate() {
+        let (row, lane) = (at / EIGHT, at % EIGHT);
+        let Some([x, y, z]) = positions.get(row / k) else { return Ok(()) };
+        let (position, vertex) =
+            ([float(x, lane), float(y, lane), float(z, lane)], row / k * EIGHT + lane);
+        let (found, weight) = (u16::from_le_bytes(*index), f32::from_le_bytes(*weight));
+        let (kind, section, at, values) = match boxes.get(usize::from(found)) {
+            None => {
+                let values = [boxes.len() as u32, found.into()];
+                (Kind::Index, SectionKind::InfluenceIndices, at, values)
             }
-            if (sum - 1.0).abs() > WEIGHT_SUM_TOLERANCE {
-                return loading.invalid(SectionKind::InfluenceWeights, vertex);
+            Some(rest) if weight > 0.0 && !is_inside(rest, position) => {
+                (Kind::Invalid, SectionKind::RestBoxes, found.into(), [0, vertex as u32])
             }
-        }
+            Some(_) => {
+                let sum = &mut sums[lane];
+                *sum += weight;
+                if (row + 1) % k > 0 {
+                    continue;
+                }
+                if (*sum - 1.0).abs() <= WEIGHT_SUM_TOLERANCE {
+                    *sum = 0.0;
+                    continue;
+                }
+                (Kind::Invalid, SectionKind::InfluenceWeights, vertex, [0; 2])
+            }
+        };
+        return Err(loading.refuse(kind, Some(section), at, values));
     }
     Ok(())
 }

@@ -6,7 +6,7 @@
 use super::blend::{Influences, along, moved};
 use super::job::SkinJob;
 use super::normals::{Frame, Vertex, cofactors, side, unit};
-use super::output::Output;
+use super::output::{Output, put};
 use super::vectors;
 use super::view::{EIGHT, Row, Skin, float, of_vertex, rows_of};
 use crate::error::{Argument, CallError};
@@ -167,14 +167,15 @@ fn skin_positions_only(
     out: &Output<'_>,
 ) -> Option<()> {
     let (influences, positions) = (Influences::new(skin, palette), skin.positions());
-    let (mut vertex, mut i) = (vertices.start, 0);
+    let (mut vertex, mut at) = (vertices.start, 0);
     while vertex < vertices.end {
         // The vertices of a block share their rows.
         let (rest, rows) = (positions.get(vertex / EIGHT)?, influences.rows(vertex)?);
         for lane in vertex % EIGHT..EIGHT.min(vertex % EIGHT + vertices.end - vertex) {
+            let transform = influences.blend_rows(rows, lane)?;
             let rest = [float(&rest[0], lane), float(&rest[1], lane), float(&rest[2], lane)];
-            out.put(i, moved(&influences.blend_rows(rows, lane)?, rest))?;
-            i += 1;
+            put(out.floats.get(at..)?, moved(&transform, rest))?;
+            at += out.stride;
         }
         vertex += EIGHT - vertex % EIGHT;
     }
