@@ -96,14 +96,14 @@ pub(crate) fn columns<S: Simd>(simd: S, rows: [&[f32; 4]; 8]) -> [f32x8<S>; 4] {
     [x.combine(more_x), y.combine(more_y), z.combine(more_z), w.combine(more_w)]
 }
 
-/// Writes eight rows from three columns. The fourth number of a row has no meaning.
+/// Returns the eight rows of four columns.
 #[inline(always)]
-pub(crate) fn put_rows<S: Simd>([x, y, z]: [f32x8<S>; 3], rows: &mut [[f32; 4]; 8]) {
-    let ((x, more_x), (y, more_y), (z, more_z)) = (x.split(), y.split(), z.split());
-    let [a, b, c, d] = transposed([x, y, z, z]);
-    let [e, f, g, h] = transposed([more_x, more_y, more_z, more_z]);
-    let (a, b, c, d) = (a.to_array(), b.to_array(), c.to_array(), d.to_array());
-    *rows = [a, b, c, d, e.to_array(), f.to_array(), g.to_array(), h.to_array()];
+pub(crate) fn rows<S: Simd>([x, y, z, w]: [f32x8<S>; 4]) -> [f32x4<S>; 8] {
+    let ((x, more_x), (y, more_y)) = (x.split(), y.split());
+    let ((z, more_z), (w, more_w)) = (z.split(), w.split());
+    let [a, b, c, d] = transposed([x, y, z, w]);
+    let [e, f, g, h] = transposed([more_x, more_y, more_z, more_w]);
+    [a, b, c, d, e, f, g, h]
 }
 
 /// Returns the four columns of four rows.

@@ -130,42 +130,6 @@ impl Output<'_> {
         self.stride != other.stride || ahead < own_len || self.stride - ahead < other_len
     }
 
-    /// Writes some rows of N numbers, from the i-th vertex of the range on. `None` cannot happen after [`Self::check`].
-    #[cfg(not(target_os = "none"))]
-    #[inline(always)]
-    pub(super) fn put_rows<const N: usize>(
-        &self,
-        i: usize,
-        rows: &[[f32; 4]; 8],
-        lanes: &Range<usize>,
-    ) -> Option<()> {
-        let floats = self.floats.get(i * self.stride..)?;
-        if N == 3
-            && self.stride == 3
-            && *lanes == (0..8)
-            && let Some(floats) = floats.first_chunk::<24>()
-        {
-            let [first @ .., last] = rows;
-            for (row, at) in first.iter().zip([0, 3, 6, 9, 12, 15, 18]) {
-                // One store a row: the next row overwrites the fourth float.
-                let [x, y, z, w] = [&floats[at], &floats[at + 1], &floats[at + 2], &floats[at + 3]];
-                x.set(row[0]);
-                y.set(row[1]);
-                z.set(row[2]);
-                w.set(row[3]);
-            }
-            floats[21].set(last[0]);
-            floats[22].set(last[1]);
-            floats[23].set(last[2]);
-            return Some(());
-        }
-        // Chunks of 0 would panic.
-        for (out, row) in floats.chunks(self.stride.max(1)).zip(rows.get(lanes.clone())?) {
-            out.first_chunk::<N>()?.iter().zip(row).for_each(|(out, value)| out.set(*value));
-        }
-        Some(())
-    }
-
     /// Writes the attribute of the i-th vertex of the range. `None` cannot happen after [`Self::check`].
     #[inline(always)]
     pub(super) fn put<const N: usize>(&self, i: usize, value: [f32; N]) -> Option<()> {

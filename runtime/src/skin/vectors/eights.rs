@@ -2,12 +2,14 @@
 
 use super::super::job::SkinJob;
 use super::super::normals::{Frame, side};
+use super::super::output::Output;
 use super::super::view::EIGHT;
 use super::block::{Block, Gathered, MOST};
 use crate::linear::{Matrix3x4, cross, dot};
-use crate::vectors::{are_normal, columns, halves, put_rows, read};
+use crate::vectors::{are_normal, columns, halves, read, rows};
+use core::cell::Cell;
 use core::ops::Range;
-use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, prelude::*};
 
 /// Skins a job. `None` without influences or with too many; then nothing is written.
 pub(super) fn run(level: Level, job: &SkinJob<'_>) -> Option<()> {
@@ -102,24 +104,20 @@ impl<S: Simd> Posed<S> {
     #[inline(always)]
     fn put<const DIRECTIONS: usize>(&self, job: &SkinJob<'_>) -> Option<()> {
         let (i, lanes) = (self.first, &self.lanes);
-        let mut rows = [[0.0; 4]; EIGHT];
         if let Some(out) = &job.positions {
-            put_rows(self.positions, &mut rows);
-            out.put_rows::<3>(i, &rows, lanes)?;
+            let [x, y, z] = self.positions;
+            put::<S, 3>(out, i, lanes, rows([x, y, z, z]))?;
         }
         if DIRECTIONS == 0 {
             return Some(());
         }
         if let Some(out) = &job.normals {
-            put_rows(scaled(self.normals.v, self.normals.scale), &mut rows);
-            out.put_rows::<3>(i, &rows, lanes)?;
+            let [x, y, z] = scaled(self.normals.v, self.normals.scale);
+            put::<S, 3>(out, i, lanes, rows([x, y, z, z]))?;
         }
         if let Some(out) = job.tangents.as_ref().filter(|_| DIRECTIONS > 1) {
-            put_rows(scaled(self.tangents.v, self.tangents.scale), &mut rows);
-            for (row, hand) in rows.iter_mut().zip(self.hands.to_array()) {
-                row[3] = hand;
-            }
-            out.put_rows::<4>(i, &rows, lanes)?;
+            let [x, y, z] = scaled(self.tangents.v, self.tangents.scale);
+            put::<S, 4>(out, i, lanes, rows([x, y, z, self.hands]))?;
         }
         if !(self.normals.are_sound && self.tangents.are_sound) {
             // A normal or tangent without a direction, maybe in the padding of the last block.
@@ -127,6 +125,52 @@ impl<S: Simd> Posed<S> {
         }
         Some(())
     }
+}
+
+/// Writes N numbers of some vertices, from the i-th vertex of the range on. `None` cannot happen after the checks.
+#[inline(always)]
+fn put<S: Simd, const N: usize>(
+    out: &Output<'_>,
+    i: usize,
+    lanes: &Range<usize>,
+    [a, b, c, d, e, f, g, h]: [f32x4<S>; EIGHT],
+) -> Option<()> {
+    let floats = out.floats.get(i * out.stride..)?;
+    if N == 3
+        && out.stride == 3
+        && *lanes == (0..EIGHT)
+        && let Some(floats) = floats.first_chunk::<{ 3 * EIGHT }>()
+    {
+        // One store for each vertex: the next vertex overwrites the fourth float.
+        store(floats, 0, a);
+        store(floats, 3, b);
+        store(floats, 6, c);
+        store(floats, 9, d);
+        store(floats, 12, e);
+        store(floats, 15, f);
+        store(floats, 18, g);
+        let [x, y, z, _] = h.to_array();
+        floats[21].set(x);
+        floats[22].set(y);
+        floats[23].set(z);
+        return Some(());
+    }
+    let (a, b, c, d) = (a.to_array(), b.to_array(), c.to_array(), d.to_array());
+    let rows = [a, b, c, d, e.to_array(), f.to_array(), g.to_array(), h.to_array()];
+    // Chunks of 0 would panic.
+    for (out, row) in floats.chunks(out.stride.max(1)).zip(rows.get(lanes.clone())?) {
+        out.first_chunk::<N>()?.iter().zip(row).for_each(|(out, value)| out.set(*value));
+    }
+    Some(())
+}
+
+#[inline(always)]
+fn store<S: Simd, const N: usize>(floats: &[Cell<f32>; N], at: usize, row: f32x4<S>) {
+    let [x, y, z, w] = row.to_array();
+    floats[at].set(x);
+    floats[at + 1].set(y);
+    floats[at + 2].set(z);
+    floats[at + 3].set(w);
 }
 
 /// Poses a block. `None` if an index is beyond the palette.
