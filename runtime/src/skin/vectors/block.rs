@@ -1,7 +1,7 @@
 //! Blocks of eight vertices, of the file or gathered from it.
 
 use super::super::job::SkinJob;
-use super::super::view::{EIGHT, Row, of_vertex, rows_of};
+use super::super::view::{EIGHT, Row, Skin, of_vertex, rows_of};
 use core::ops::Range;
 
 /// Most influences of a vertex.
@@ -26,25 +26,53 @@ pub(super) struct Block<'b> {
     pub(super) coefficients: &'b [Row],
 }
 
-impl<'b> Block<'b> {
-    /// Returns the block of a skin vertex. `None` if the vertex is beyond the mesh.
-    #[inline(always)]
-    pub(super) fn of_file(job: &SkinJob<'b>, vertex: usize) -> Option<Self> {
-        let (skin, at) = (job.skin, vertex / EIGHT);
-        let k = skin.influence_len();
-        let normals = skin.normals().get(at)?;
-        Some(Self {
-            positions: skin.positions().get(at)?,
-            normals,
-            up: &normals[2],
-            tangents: skin.tangents().get(at),
-            has_frame: skin.has_tangents(),
-            indices: rows_of(skin.indices(), k, vertex)?,
-            weights: rows_of(skin.weights(), k, vertex)?,
-            coefficients: rows_of(skin.coefficients(), k - 1, vertex).unwrap_or_default(),
-        })
+/// The attributes of a skin in its file.
+pub(super) struct File<'b> {
+    positions: &'b [[Row; 3]],
+    normals: &'b [[Row; 3]],
+    tangents: &'b [[Row; 4]],
+    indices: &'b [[[u8; 2]; EIGHT]],
+    weights: &'b [Row],
+    coefficients: &'b [Row],
+    /// K.
+    len: usize,
+    /// K - 1, or 0 without tangent coefficients.
+    coefficient_len: usize,
+}
+
+impl<'b> File<'b> {
+    pub(super) fn new(skin: &Skin<'b>) -> Self {
+        let len = skin.influence_len();
+        Self {
+            positions: skin.positions(),
+            normals: skin.normals(),
+            tangents: skin.tangents(),
+            indices: skin.indices(),
+            weights: skin.weights(),
+            coefficients: skin.coefficients(),
+            len,
+            coefficient_len: if skin.has_coefficients() { len - 1 } else { 0 },
+        }
     }
 
+    /// Returns the block of a skin vertex. `None` if the vertex is beyond the mesh.
+    #[inline(always)]
+    pub(super) fn block(&self, vertex: usize) -> Option<Block<'b>> {
+        let normals = self.normals.get(vertex / EIGHT)?;
+        Some(Block {
+            positions: self.positions.get(vertex / EIGHT)?,
+            normals,
+            up: &normals[2],
+            tangents: self.tangents.get(vertex / EIGHT),
+            has_frame: !self.tangents.is_empty(),
+            indices: rows_of(self.indices, self.len, vertex)?,
+            weights: rows_of(self.weights, self.len, vertex)?,
+            coefficients: rows_of(self.coefficients, self.coefficient_len, vertex)?,
+        })
+    }
+}
+
+impl Block<'_> {
     /// Returns the influences in use: the last ones whose weights and coefficients are 0 in all lanes are left out.
     ///
     /// - `CORRECTED`: whether coefficients count.
@@ -92,35 +120,34 @@ impl Gathered {
     pub(super) fn gather(
         &mut self,
         job: &SkinJob<'_>,
+        file: &File<'_>,
         i: usize,
         lanes: &Range<usize>,
     ) -> Option<Block<'_>> {
-        let SkinJob { skin, rest, .. } = job;
-        let (k, others) = (skin.influence_len(), skin.influence_len() - 1);
+        let rest = &job.rest;
         for lane in 0..EIGHT {
             let own = lane.clamp(lanes.start, lanes.end - 1) - lanes.start;
             let vertex = job.vertex(i + own)?;
-            put(&mut self.positions, lane, rest.positions, skin.positions(), vertex)?;
-            put(&mut self.normals, lane, rest.normals, skin.normals(), vertex)?;
-            self.up[lane] = skin.normals().get(vertex / EIGHT)?[2][vertex % EIGHT];
+            put(&mut self.positions, lane, rest.positions, file.positions, vertex)?;
+            put(&mut self.normals, lane, rest.normals, file.normals, vertex)?;
+            self.up[lane] = file.normals.get(vertex / EIGHT)?[2][vertex % EIGHT];
             // `None` without tangents.
-            let _ = put(&mut self.tangents, lane, rest.tangents, skin.tangents(), vertex);
-            copy(&mut self.indices, rows_of(skin.indices(), k, vertex)?, lane, vertex);
-            copy(&mut self.weights, rows_of(skin.weights(), k, vertex)?, lane, vertex);
-            let coefficients = rows_of(skin.coefficients(), others, vertex).unwrap_or_default();
+            let _ = put(&mut self.tangents, lane, rest.tangents, file.tangents, vertex);
+            copy(&mut self.indices, rows_of(file.indices, file.len, vertex)?, lane, vertex);
+            copy(&mut self.weights, rows_of(file.weights, file.len, vertex)?, lane, vertex);
+            let coefficients = rows_of(file.coefficients, file.coefficient_len, vertex)?;
             copy(&mut self.coefficients, coefficients, lane, vertex);
         }
-        let has_tangents = skin.has_tangents() || rest.tangents.is_some();
-        let coefficient_len = if skin.has_coefficients() { others } else { 0 };
+        let has_frame = !file.tangents.is_empty();
         Some(Block {
             positions: &self.positions,
             normals: &self.normals,
             up: &self.up,
-            tangents: Some(&self.tangents).filter(|_| has_tangents),
-            has_frame: skin.has_tangents(),
-            indices: self.indices.get(..k)?,
-            weights: self.weights.get(..k)?,
-            coefficients: self.coefficients.get(..coefficient_len)?,
+            tangents: Some(&self.tangents).filter(|_| has_frame || rest.tangents.is_some()),
+            has_frame,
+            indices: self.indices.get(..file.len)?,
+            weights: self.weights.get(..file.len)?,
+            coefficients: self.coefficients.get(..file.coefficient_len)?,
         })
     }
 }

@@ -74,11 +74,18 @@ fn all<S: Simd>(
     for block in blocks {
         lanes.end = lanes.end.min(lanes.start + left);
         if out.stride == 3 && lanes == (0..EIGHT) {
-            packed(simd, columns, block, floats.first_chunk()?)?;
+            let floats = floats.first_chunk()?;
+            // The last influences are often unused in all vertices of a block.
+            match influence_len(block.1) {
+                1 => packed::<_, 1>(simd, columns, block, floats)?,
+                2 => packed::<_, 2>(simd, columns, block, floats)?,
+                3 => packed::<_, 3>(simd, columns, block, floats)?,
+                _ => packed::<_, 4>(simd, columns, block, floats)?,
+            }
         } else {
             // Chunks of 0 would panic.
             for (lane, out) in lanes.clone().zip(floats.chunks(out.stride.max(1))) {
-                let [x, y, z, _] = moved(simd, columns, block, lane % EIGHT)?;
+                let [x, y, z, _] = moved::<_, 4>(simd, columns, block, lane % EIGHT)?;
                 put(out, [x, y, z])?;
             }
         }
@@ -92,16 +99,23 @@ fn all<S: Simd>(
     Some(())
 }
 
+/// Returns the number of influences in use by some vertex of a block.
+#[inline(always)]
+fn influence_len(weights: &[Row; 4]) -> usize {
+    let is_used = |row: &Row| row.as_flattened().iter().fold(0, |all, byte| all | byte) > 0;
+    weights.iter().rposition(is_used).map_or(1, |last| last + 1)
+}
+
 /// Skins a block whose positions follow one another.
 #[inline(always)]
-fn packed<S: Simd>(
+fn packed<S: Simd, const LEN: usize>(
     simd: S,
     columns: &[Cell<CacheLine>],
     block: Block<'_>,
     floats: &[Cell<f32>; 3 * EIGHT],
 ) -> Option<()> {
     for lane in 0..EIGHT - 1 {
-        let moved = moved(simd, columns, block, lane)?;
+        let moved = moved::<S, LEN>(simd, columns, block, lane)?;
         // One store: the next vertex overwrites the fourth float.
         let at = 3 * lane;
         let [x, y, z, w] = [&floats[at], &floats[at + 1], &floats[at + 2], &floats[at + 3]];
@@ -110,7 +124,7 @@ fn packed<S: Simd>(
         z.set(moved[2]);
         w.set(moved[3]);
     }
-    let [x, y, z, _] = moved(simd, columns, block, EIGHT - 1)?;
+    let [x, y, z, _] = moved::<S, LEN>(simd, columns, block, EIGHT - 1)?;
     floats[21].set(x);
     floats[22].set(y);
     floats[23].set(z);
@@ -121,14 +135,14 @@ fn packed<S: Simd>(
 ///
 /// `None` if an index is beyond the palette.
 #[inline(always)]
-fn moved<S: Simd>(
+fn moved<S: Simd, const LEN: usize>(
     simd: S,
     columns: &[Cell<CacheLine>],
     (([x, y, z], indices), weights): Block<'_>,
     lane: usize,
 ) -> Option<[f32; 4]> {
     let mut sums: Option<[f32x8<S>; 2]> = None;
-    for (indices, weights) in indices.iter().zip(weights) {
+    for (indices, weights) in indices.iter().zip(weights).take(LEN) {
         let CacheLine([first, second]) =
             columns.get(usize::from(u16::from_le_bytes(indices[lane])))?.get();
         let weight = f32x8::splat(simd, f32::from_le_bytes(weights[lane]));

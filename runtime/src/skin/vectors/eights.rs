@@ -4,7 +4,7 @@ use super::super::job::SkinJob;
 use super::super::normals::{Frame, side};
 use super::super::output::Output;
 use super::super::view::EIGHT;
-use super::block::{Block, Gathered, MOST};
+use super::block::{Block, File, Gathered, MOST};
 use crate::linear::{Matrix3x4, cross, dot};
 use crate::vectors::{are_normal, columns, halves, read, rows};
 use core::cell::Cell;
@@ -41,6 +41,7 @@ fn all<S: Simd, const CORRECTED: bool, const DIRECTIONS: usize>(
 ) -> Option<()> {
     let (rest, range) = (&job.rest, job.range());
     let is_given = rest.positions.is_some() || rest.normals.is_some() || rest.tangents.is_some();
+    let file = File::new(&job.skin);
     let mut gathered = Gathered::NONE;
     let side = side(job.palette);
     // Without a remap the vertices are blocks of the file: the first and the last may be parts.
@@ -52,8 +53,8 @@ fn all<S: Simd, const CORRECTED: bool, const DIRECTIONS: usize>(
         let lanes = lane..EIGHT.min(lane + range.len() - done);
         (lane, done) = (0, done + lanes.len());
         let block = match job.remap.is_some() || is_given {
-            true => gathered.gather(job, done - lanes.len(), &lanes)?,
-            false => Block::of_file(job, range.start + done - lanes.len())?,
+            true => gathered.gather(job, &file, done - lanes.len(), &lanes)?,
+            false => file.block(range.start + done - lanes.len())?,
         };
         let posed = pose::<S, CORRECTED, DIRECTIONS>(simd, &block, job.palette, side)?;
         if let Some(last) = &last {
