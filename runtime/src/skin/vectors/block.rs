@@ -1,8 +1,11 @@
 //! Blocks of eight vertices, of the file or gathered from it.
 
 use super::super::job::SkinJob;
-use super::super::view::{EIGHT, Row, Skin, of_vertex, rows_of};
+use super::super::view::{EIGHT, Row, Skin, rows_of};
+use crate::linear::Le;
+use bytemuck::cast;
 use core::ops::Range;
+use fearless_simd::{Simd, f32x8, prelude::*, u16x8};
 
 /// Most influences of a vertex.
 pub(super) const MOST: usize = 16;
@@ -115,28 +118,86 @@ impl Gathered {
         }
     };
 
-    /// Reads vertices of a job, from the i-th of its range on, into lanes. Other lanes repeat one of them.
+    /// Returns the block of a skin vertex, with the attributes of the caller's rest mesh. `None` if the vertex is beyond
+    /// the mesh.
     #[inline(always)]
-    pub(super) fn gather(
+    pub(super) fn block<'b, S: Simd>(
+        &'b mut self,
+        simd: S,
+        job: &SkinJob<'b>,
+        file: &File<'b>,
+        vertex: usize,
+    ) -> Option<Block<'b>> {
+        let rest = &job.rest;
+        let mut block = file.block(vertex)?;
+        if rest.positions.is_none() && rest.normals.is_none() && rest.tangents.is_none() {
+            return Some(block);
+        }
+        let (first, last) = (vertex / EIGHT * EIGHT, job.skin.vertex_len() - 1);
+        let mut all = [first; EIGHT];
+        for (lane, vertex) in all.iter_mut().enumerate() {
+            *vertex = last.min(first + lane);
+        }
+        if rest.positions.is_some() {
+            put(simd, &mut self.positions, rest.positions, &[], &all)?;
+            block.positions = &self.positions;
+        }
+        if rest.normals.is_some() {
+            put(simd, &mut self.normals, rest.normals, &[], &all)?;
+            block.normals = &self.normals;
+        }
+        if rest.tangents.is_some() {
+            put(simd, &mut self.tangents, rest.tangents, &[], &all)?;
+            block.tangents = Some(&self.tangents);
+        }
+        Some(block)
+    }
+
+    /// Reads vertices of a job, from the i-th of its range on, into lanes. Other lanes repeat one of them.
+    ///
+    /// Rows are written whole: a register that is read right after writes of its parts waits for them.
+    #[inline(always)]
+    pub(super) fn gather<S: Simd>(
         &mut self,
+        simd: S,
         job: &SkinJob<'_>,
         file: &File<'_>,
         i: usize,
         lanes: &Range<usize>,
     ) -> Option<Block<'_>> {
+        let mut all = [0; EIGHT];
+        for (lane, vertex) in all.iter_mut().enumerate() {
+            *vertex = job.vertex(i + lane.clamp(lanes.start, lanes.end - 1) - lanes.start)?;
+        }
         let rest = &job.rest;
-        for lane in 0..EIGHT {
-            let own = lane.clamp(lanes.start, lanes.end - 1) - lanes.start;
-            let vertex = job.vertex(i + own)?;
-            put(&mut self.positions, lane, rest.positions, file.positions, vertex)?;
-            put(&mut self.normals, lane, rest.normals, file.normals, vertex)?;
-            self.up[lane] = file.normals.get(vertex / EIGHT)?[2][vertex % EIGHT];
-            // `None` without tangents.
-            let _ = put(&mut self.tangents, lane, rest.tangents, file.tangents, vertex);
-            copy(&mut self.indices, rows_of(file.indices, file.len, vertex)?, lane, vertex);
-            copy(&mut self.weights, rows_of(file.weights, file.len, vertex)?, lane, vertex);
-            let coefficients = rows_of(file.coefficients, file.coefficient_len, vertex)?;
-            copy(&mut self.coefficients, coefficients, lane, vertex);
+        put(simd, &mut self.positions, rest.positions, file.positions, &all)?;
+        put(simd, &mut self.normals, rest.normals, file.normals, &all)?;
+        if rest.normals.is_some() {
+            let mut normals = self.normals;
+            put(simd, &mut normals, None, file.normals, &all)?;
+            self.up = normals[2];
+        } else {
+            self.up = self.normals[2];
+        }
+        if rest.tangents.is_some() || !file.tangents.is_empty() {
+            put(simd, &mut self.tangents, rest.tangents, file.tangents, &all)?;
+        }
+        let indices = rows(file.indices, file.len, &all)?;
+        for (k, out) in self.indices.iter_mut().enumerate().take(file.len) {
+            let [a, b, c, d, e, f, g, h] = lanes_of(&indices, k, &all)?;
+            let all = u16x8::load_array(
+                simd,
+                [cast(a), cast(b), cast(c), cast(d), cast(e), cast(f), cast(g), cast(h)],
+            );
+            *out = cast(all.to_array());
+        }
+        let weights = rows(file.weights, file.len, &all)?;
+        for (k, out) in self.weights.iter_mut().enumerate().take(file.len) {
+            *out = row(simd, lanes_of(&weights, k, &all)?);
+        }
+        let coefficients = rows(file.coefficients, file.coefficient_len, &all)?;
+        for (k, out) in self.coefficients.iter_mut().enumerate().take(file.coefficient_len) {
+            *out = row(simd, lanes_of(&coefficients, k, &all)?);
         }
         let has_frame = !file.tangents.is_empty();
         Some(Block {
@@ -152,29 +213,94 @@ impl Gathered {
     }
 }
 
-/// Copies an attribute of a vertex into a lane: of the caller's rest mesh, or of the file.
+/// Reads an attribute of eight vertices: from the caller's rest mesh, or from the file.
 #[inline(always)]
-fn put<const N: usize>(
-    rows: &mut [Row; N],
-    lane: usize,
+fn put<S: Simd, const N: usize>(
+    simd: S,
+    out: &mut [Row; N],
     given: Option<&[[f32; N]]>,
     file: &[[Row; N]],
-    vertex: usize,
+    &[a, b, c, d, e, f, g, h]: &[usize; EIGHT],
 ) -> Option<()> {
-    let numbers = match given {
-        Some(given) => *given.get(vertex)?,
-        None => of_vertex(file, vertex)?,
-    };
-    for (row, number) in rows.iter_mut().zip(numbers) {
-        row[lane % EIGHT] = number.to_le_bytes();
+    if let Some(given) = given {
+        let (a, b, c, d) = (given.get(a)?, given.get(b)?, given.get(c)?, given.get(d)?);
+        let (e, f, g, h) = (given.get(e)?, given.get(f)?, given.get(g)?, given.get(h)?);
+        for (n, out) in out.iter_mut().enumerate() {
+            let own = [a[n], b[n], c[n], d[n], e[n], f[n], g[n], h[n]];
+            *out = cast(f32x8::load_array(simd, own).to_array());
+        }
+        return Some(());
+    }
+    let block = |vertex: usize| file.get(vertex / EIGHT);
+    let blocks = [block(a)?, block(b)?, block(c)?, block(d)?];
+    let more = [block(e)?, block(f)?, block(g)?, block(h)?];
+    for (n, out) in out.iter_mut().enumerate() {
+        let [i, j, k, l] = [
+            blocks[0][n][a % EIGHT],
+            blocks[1][n][b % EIGHT],
+            blocks[2][n][c % EIGHT],
+            blocks[3][n][d % EIGHT],
+        ];
+        let [m, o, p, q] = [
+            more[0][n][e % EIGHT],
+            more[1][n][f % EIGHT],
+            more[2][n][g % EIGHT],
+            more[3][n][h % EIGHT],
+        ];
+        *out = row(simd, [i, j, k, l, m, o, p, q]);
     }
     Some(())
 }
 
-/// Copies the numbers of a vertex into a lane.
+/// Returns the rows of the blocks of eight vertices.
 #[inline(always)]
-fn copy<T: Copy>(out: &mut [[T; EIGHT]], rows: &[[T; EIGHT]], lane: usize, vertex: usize) {
-    for (out, row) in out.iter_mut().zip(rows) {
-        out[lane % EIGHT] = row[vertex % EIGHT];
-    }
+fn rows<'b, T>(
+    all: &'b [T],
+    len: usize,
+    &[a, b, c, d, e, f, g, h]: &[usize; EIGHT],
+) -> Option<[&'b [T]; EIGHT]> {
+    let (a, b, c, d) = (
+        rows_of(all, len, a)?,
+        rows_of(all, len, b)?,
+        rows_of(all, len, c)?,
+        rows_of(all, len, d)?,
+    );
+    Some([
+        a,
+        b,
+        c,
+        d,
+        rows_of(all, len, e)?,
+        rows_of(all, len, f)?,
+        rows_of(all, len, g)?,
+        rows_of(all, len, h)?,
+    ])
+}
+
+/// Returns the k-th number of eight vertices.
+#[inline(always)]
+fn lanes_of<T: Copy>(
+    [a, b, c, d, e, f, g, h]: &[&[[T; EIGHT]]; EIGHT],
+    k: usize,
+    all: &[usize; EIGHT],
+) -> Option<[T; EIGHT]> {
+    let (a, b, c, d) = (a.get(k)?, b.get(k)?, c.get(k)?, d.get(k)?);
+    let (e, f, g, h) = (e.get(k)?, f.get(k)?, g.get(k)?, h.get(k)?);
+    Some([
+        a[all[0] % EIGHT],
+        b[all[1] % EIGHT],
+        c[all[2] % EIGHT],
+        d[all[3] % EIGHT],
+        e[all[4] % EIGHT],
+        f[all[5] % EIGHT],
+        g[all[6] % EIGHT],
+        h[all[7] % EIGHT],
+    ])
+}
+
+/// Makes a row by way of a register.
+#[inline(always)]
+fn row<S: Simd>(simd: S, [a, b, c, d, e, f, g, h]: [Le; EIGHT]) -> Row {
+    let row = [cast(a), cast(b), cast(c), cast(d), cast(e), cast(f), cast(g), cast(h)];
+    cast(f32x8::load_array(simd, row).to_array())
 }

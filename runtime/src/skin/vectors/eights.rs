@@ -5,6 +5,7 @@ use super::super::normals::{Frame, side};
 use super::super::output::Output;
 use super::super::view::EIGHT;
 use super::block::{Block, File, Gathered, MOST};
+use super::copies::{Copies, Source};
 use crate::linear::{Matrix3x4, cross, dot};
 use crate::vectors::{are_normal, columns, halves, read, rows};
 use core::cell::Cell;
@@ -16,56 +17,96 @@ pub(super) fn run(level: Level, job: &SkinJob<'_>) -> Option<()> {
     if !(1..=MOST).contains(&job.skin.influence_len()) {
         return None;
     }
+    let rest = &job.rest;
+    let is_given = rest.positions.is_some() || rest.normals.is_some() || rest.tangents.is_some();
     let directions = match (&job.normals, &job.tangents) {
         (None, None) => 0,
         (Some(_), None) => 1,
         _ => 2,
     };
-    match (job.skin.has_coefficients(), directions) {
-        (_, 0) => dispatch!(level, simd => all::<_, false, 0>(simd, job)),
-        (false, 1) => dispatch!(level, simd => all::<_, false, 1>(simd, job)),
-        (false, _) => dispatch!(level, simd => all::<_, false, 2>(simd, job)),
-        (true, 1) => dispatch!(level, simd => all::<_, true, 1>(simd, job)),
-        (true, _) => dispatch!(level, simd => all::<_, true, 2>(simd, job)),
+    let is_corrected = job.skin.has_coefficients() && directions > 0;
+    match (is_corrected, directions, job.remap.is_some() || is_given) {
+        (false, 0, false) => dispatch!(level, simd => plain::<_, false, 0>(simd, job)),
+        (false, 1, false) => dispatch!(level, simd => plain::<_, false, 1>(simd, job)),
+        (false, _, false) => dispatch!(level, simd => plain::<_, false, 2>(simd, job)),
+        (true, 1, false) => dispatch!(level, simd => plain::<_, true, 1>(simd, job)),
+        (true, _, false) => dispatch!(level, simd => plain::<_, true, 2>(simd, job)),
+        (false, _, true) => dispatch!(level, simd => changed::<_, false>(simd, job)),
+        (true, _, true) => dispatch!(level, simd => changed::<_, true>(simd, job)),
     }
 }
 
-/// Skins all vertices of a job.
+/// Skins the vertices of a job without a remap and a rest mesh.
 ///
 /// - `CORRECTED`: whether the skin has tangent coefficients, and the job needs them.
-/// - `DIRECTIONS`: 0 for positions alone, 1 with normals, 2 with tangents too.
 #[inline(always)]
-fn all<S: Simd, const CORRECTED: bool, const DIRECTIONS: usize>(
+fn plain<S: Simd, const CORRECTED: bool, const DIRECTIONS: usize>(
     simd: S,
     job: &SkinJob<'_>,
 ) -> Option<()> {
-    let (rest, range) = (&job.rest, job.range());
-    let is_given = rest.positions.is_some() || rest.normals.is_some() || rest.tangents.is_some();
-    let file = File::new(&job.skin);
-    let mut gathered = Gathered::NONE;
-    let side = side(job.palette);
-    // Without a remap the vertices are blocks of the file: the first and the last may be parts.
-    let mut lane = if job.remap.is_some() { 0 } else { range.start % EIGHT };
-    let mut done = 0;
+    let (range, file) = (job.range(), File::new(&job.skin));
+    let (palette, side) = (job.palette, side(job.palette));
     // Each block is written after the next is posed: square roots and divisions take long.
     let mut last: Option<Posed<S>> = None;
+    let mut done = 0;
+    // The first and the last block may be parts.
+    let mut lane = range.start % EIGHT;
     while done < range.len() {
         let lanes = lane..EIGHT.min(lane + range.len() - done);
-        (lane, done) = (0, done + lanes.len());
-        let block = match job.remap.is_some() || is_given {
-            true => gathered.gather(job, &file, done - lanes.len(), &lanes)?,
-            false => file.block(range.start + done - lanes.len())?,
-        };
-        let posed = pose::<S, CORRECTED, DIRECTIONS>(simd, &block, job.palette, side)?;
+        let posed = pose::<S, CORRECTED, DIRECTIONS>(
+            simd,
+            &file.block(range.start + done)?,
+            palette,
+            side,
+        )?;
         if let Some(last) = &last {
             last.put::<DIRECTIONS>(job)?;
         }
-        last = Some(Posed { first: done - lanes.len(), lanes, ..posed });
+        last = Some(Posed { first: done, lanes: lanes.clone(), ..posed });
+        (lane, done) = (0, done + lanes.len());
     }
     match last {
         Some(last) => last.put::<DIRECTIONS>(job),
         None => Some(()),
     }
+}
+
+/// Skins the vertices of a job with a remap or a rest mesh.
+///
+/// - `CORRECTED`: as for [`plain`].
+#[inline(always)]
+fn changed<S: Simd, const CORRECTED: bool>(simd: S, job: &SkinJob<'_>) -> Option<()> {
+    let (range, file) = (job.range(), File::new(&job.skin));
+    let (palette, side) = (job.palette, side(job.palette));
+    let remap = job.remap.and_then(|remap| remap.get(range.clone()));
+    let (mut gathered, mut copies) = (Gathered::NONE, Copies::NONE);
+    let mut lane = if job.remap.is_some() { 0 } else { range.start % EIGHT };
+    let mut done = 0;
+    while done < range.len() {
+        let lanes = lane..EIGHT.min(lane + range.len() - done);
+        let remapped = remap.and_then(|remap| remap.get(done..done + lanes.len()));
+        let source = match remapped {
+            Some(vertices) => copies.source(vertices),
+            None => Source::Block(range.start + done),
+        };
+        let block = match source {
+            Source::Block(vertex) => gathered.block(simd, job, &file, vertex)?,
+            Source::Gather => gathered.gather(simd, job, &file, done, &lanes)?,
+            Source::Copies => {
+                copies.put(job, done, remapped?)?;
+                done += lanes.len();
+                continue;
+            }
+        };
+        let posed = pose::<S, CORRECTED, 2>(simd, &block, palette, side)?;
+        if let (Source::Block(vertex), Some(_)) = (source, remapped) {
+            posed.copy(vertex, &mut copies);
+            continue;
+        }
+        (lane, done) = (0, done + lanes.len());
+        Posed { first: done - lanes.len(), lanes, ..posed }.put::<2>(job)?;
+    }
+    Some(())
 }
 
 /// Eight posed vertices, one register for each number.
@@ -101,6 +142,20 @@ impl<S: Simd> Directions<S> {
 }
 
 impl<S: Simd> Posed<S> {
+    /// Keeps the block of a skin vertex.
+    #[inline(always)]
+    fn copy(&self, vertex: usize, out: &mut Copies) {
+        let first = out.keep(vertex);
+        let own = first..first + EIGHT;
+        let [x, y, z] = self.positions;
+        out.positions[own.clone()].copy_from_slice(&arrays(rows([x, y, z, z])));
+        let [x, y, z] = scaled(self.normals.v, self.normals.scale);
+        out.normals[own.clone()].copy_from_slice(&arrays(rows([x, y, z, z])));
+        let [x, y, z] = scaled(self.tangents.v, self.tangents.scale);
+        out.tangents[own].copy_from_slice(&arrays(rows([x, y, z, self.hands])));
+        out.are_sound[first / EIGHT] = self.normals.are_sound && self.tangents.are_sound;
+    }
+
     /// Writes the vertices.
     #[inline(always)]
     fn put<const DIRECTIONS: usize>(&self, job: &SkinJob<'_>) -> Option<()> {
@@ -109,10 +164,7 @@ impl<S: Simd> Posed<S> {
             let [x, y, z] = self.positions;
             put::<S, 3>(out, i, lanes, rows([x, y, z, z]))?;
         }
-        if DIRECTIONS == 0 {
-            return Some(());
-        }
-        if let Some(out) = &job.normals {
+        if let Some(out) = job.normals.as_ref().filter(|_| DIRECTIONS > 0) {
             let [x, y, z] = scaled(self.normals.v, self.normals.scale);
             put::<S, 3>(out, i, lanes, rows([x, y, z, z]))?;
         }
@@ -156,8 +208,7 @@ fn put<S: Simd, const N: usize>(
         floats[23].set(z);
         return Some(());
     }
-    let (a, b, c, d) = (a.to_array(), b.to_array(), c.to_array(), d.to_array());
-    let rows = [a, b, c, d, e.to_array(), f.to_array(), g.to_array(), h.to_array()];
+    let rows = arrays([a, b, c, d, e, f, g, h]);
     // Chunks of 0 would panic.
     for (out, row) in floats.chunks(out.stride.max(1)).zip(rows.get(lanes.clone())?) {
         out.first_chunk::<N>()?.iter().zip(row).for_each(|(out, value)| out.set(*value));
@@ -165,6 +216,13 @@ fn put<S: Simd, const N: usize>(
     Some(())
 }
 
+#[inline(always)]
+fn arrays<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; EIGHT]) -> [[f32; 4]; EIGHT] {
+    let (a, b, c, d) = (a.to_array(), b.to_array(), c.to_array(), d.to_array());
+    [a, b, c, d, e.to_array(), f.to_array(), g.to_array(), h.to_array()]
+}
+
+/// Writes a row.
 #[inline(always)]
 fn store<S: Simd, const N: usize>(floats: &[Cell<f32>; N], at: usize, row: f32x4<S>) {
     let [x, y, z, w] = row.to_array();
@@ -215,14 +273,13 @@ fn pose<S: Simd, const CORRECTED: bool, const DIRECTIONS: usize>(
         along([[xa, ya, za], [xb, yb, zb], [xc, yc, zc]], n)
     };
     posed.normals = Directions::new(turned, side);
-    if DIRECTIONS > 1 {
+    if let Some([.., hands]) = block.tangents.filter(|_| DIRECTIONS > 1) {
         let mut turned = along(linear, tangent);
         if CORRECTED {
             turned = sum(turned, scaled(g, dot(tangent, frame.g)));
             turned = sum(turned, scaled(h, dot(tangent, frame.h)));
         }
         posed.tangents = Directions::new(turned, 1.0);
-        let [.., hands] = block.tangents?;
         posed.hands = read(simd, hands);
     }
     Some(posed)

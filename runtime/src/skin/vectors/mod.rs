@@ -3,6 +3,7 @@
 
 mod block;
 mod columns;
+mod copies;
 mod eights;
 
 use super::job::SkinJob;
