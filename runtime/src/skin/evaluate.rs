@@ -39,7 +39,10 @@ impl Skin<'_> {
 }
 
 impl SkinJob<'_> {
-    /// Runs the job. The palette's numbers are not checked: a transform that is not finite gives vertices that are not.
+    /// Runs the job.
+    ///
+    /// The palette's numbers are not checked. A transform that is not finite gives such vertices, also among their
+    /// neighbours: a vertex can have the transform with weight 0.
     ///
     /// # Errors
     /// - [`crate::CallErrorKind::NoOutput`]: the job has no output.

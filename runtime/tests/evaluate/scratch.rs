@@ -51,7 +51,9 @@ fn vector_units_have_the_bits_of_one_vertex_at_a_time() {
 fn jobs_agree(envelope: &Envelope<'_>, skin: Skin<'_>) {
     let v = skin.vertex_len();
     let mut rng = Rng(7);
-    let remap: Vec<u32> = (0..3 * v).map(|i| (i * i % v) as u32).collect();
+    // A remap that jumps, and one that doubles some vertices, as seams do.
+    let jumps: Vec<u32> = (0..3 * v).map(|i| (i * i % v) as u32).collect();
+    let seams: Vec<u32> = (0..3 * v).map(|i| ((i - i / 3) % v) as u32).collect();
     let positions: Vec<_> = (0..v).map(|_| [(); 3].map(|()| rng.unit())).collect();
     let normals: Vec<_> = (0..v).map(|_| direction(&mut rng)).collect();
     let tangents: Vec<_> = normals.iter().map(|[x, y, z]| [*z, *x, *y, -1.0]).collect();
@@ -62,12 +64,16 @@ fn jobs_agree(envelope: &Envelope<'_>, skin: Skin<'_>) {
     palettes.push(vec![posed(8.0)[0]; envelope.palette_len()]);
     palettes.push(posed(2.0).into_iter().map(|[x, y, z]| [x.map(|x| -x), y, z]).collect());
     for palette in &palettes {
-        for kind in 0..4 {
+        for kind in 0..6 {
             let job = SkinJob::new(skin, palette);
-            let job = if kind % 2 == 1 { job.remap(&remap) } else { job };
+            let job = match kind % 3 {
+                0 => job,
+                1 => job.remap(&jumps),
+                _ => job.remap(&seams),
+            };
             let given = job.clone().rest_positions(&positions).rest_normals(&normals);
             let given = if skin.has_tangents() { given.rest_tangents(&tangents) } else { given };
-            let job = if kind > 1 { given } else { job };
+            let job = if kind > 2 { given } else { job };
             for vertices in [0..v, 3..v, 2..7, 8..16, 5..5] {
                 for attributes in 1..8 {
                     if attributes & 4 > 0 && !skin.has_tangents() {
