@@ -1,6 +1,7 @@
 //! Blending: from a palette to the transform of a vertex, and the transform of vectors.
 
-use super::view::{EIGHT, Row, Skin};
+use super::counts::EIGHT;
+use super::view::{Row, Skin};
 use crate::linear::Matrix3x4;
 use crate::matrix::IDENTITY;
 use glam::{Mat4, Vec4};

@@ -2,11 +2,11 @@
 
 use super::bounds::is_inside;
 use super::counts::{
-    LENGTH_TOLERANCE, NO_ENVELOPE, RULES, SkinCounts, WEIGHT_SUM_TOLERANCE, place,
+    EIGHT, LENGTH_TOLERANCE, NO_ENVELOPE, RULES, SkinCounts, WEIGHT_SUM_TOLERANCE, place,
 };
 #[cfg(feature = "shapes")]
 use super::shapes;
-use super::view::{EIGHT, Row, Skin, float, rows_of};
+use super::view::{Row, Skin, float, rows_of};
 use crate::format::content::{check_counts, check_floats, check_names};
 use crate::format::part::{Asked, COUNTS, first_counts};
 use crate::format::refusal::{Checked, Loading};

@@ -1,6 +1,5 @@
 //! Counts of a skin, its measured errors, and the rules for its sections.
 
-use super::view::EIGHT;
 use crate::format::flat::flat;
 use crate::format::part::{Asked, COUNTS, SECTIONS};
 use crate::format::rule::{ALWAYS, OPTIONAL, Rule};
@@ -152,6 +151,8 @@ const BLENDS: u8 = 8;
 /// Flag of a skin with shapes.
 const SHAPED: u8 = 16;
 
+/// Vertices of a block of attributes. A block holds a row of eight for each number of a vertex.
+pub(crate) const EIGHT: usize = 8;
 /// Vertices of a block of shapes, one bit of a mask for each vertex.
 pub const BLOCK: usize = 64;
 

@@ -4,11 +4,11 @@
 //! index that no checked file holds, instead of a panic.
 
 use super::blend::{Influences, along, moved};
+use super::counts::EIGHT;
 use super::job::SkinJob;
 use super::normals::{Frame, Vertex, cofactors, side, unit};
 use super::output::{Output, put};
-use super::vectors;
-use super::view::{EIGHT, Row, Skin, float, of_vertex, rows_of};
+use super::view::{Row, Skin, float, of_vertex, rows_of};
 use crate::error::{Argument, CallError};
 use crate::linear::Matrix3x4;
 use core::ops::Range;
@@ -56,15 +56,18 @@ impl SkinJob<'_> {
     /// - [`crate::CallErrorKind::Overlap`]: two outputs share a float.
     pub fn run(&self) -> Result<(), CallError> {
         self.check()?;
-        if vectors::run(self).is_none() {
-            let Self { skin, palette, remap, rest, .. } = self;
-            match (&self.positions, &self.normals, &self.tangents) {
-                (Some(out), None, None) if remap.is_none() && rest.positions.is_none() => {
-                    skin_positions_only(skin, palette, self.range(), out);
-                }
-                _ => {
-                    self.one_by_one(0..self.range().len());
-                }
+        // Small processors have no vector units.
+        #[cfg(not(target_os = "none"))]
+        if super::vectors::run(self).is_some() {
+            return Ok(());
+        }
+        let Self { skin, palette, remap, rest, .. } = self;
+        match (&self.positions, &self.normals, &self.tangents) {
+            (Some(out), None, None) if remap.is_none() && rest.positions.is_none() => {
+                skin_positions_only(skin, palette, self.range(), out);
+            }
+            _ => {
+                self.one_by_one(0..self.range().len());
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Job of the stage `skin`: the arguments and their checks.
 
 use super::output::{Output, Outputs, check_range};
-use super::vectors::{CacheLine, Scratch};
+use super::scratch::{CacheLine, Scratch};
 use super::view::Skin;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::Matrix3x4;

@@ -8,9 +8,11 @@ mod evaluate;
 mod job;
 mod normals;
 mod output;
+#[cfg_attr(target_os = "none", path = "no_scratch.rs")]
+mod scratch;
 #[cfg(feature = "shapes")]
 mod shapes;
-#[cfg_attr(target_os = "none", path = "no_vectors.rs")]
+#[cfg(not(target_os = "none"))]
 mod vectors;
 mod view;
 
@@ -23,7 +25,7 @@ pub(crate) use counts::{
 pub use counts::{NormalErrors, ShapeErrors};
 pub use job::SkinJob;
 pub use output::Output;
+pub use scratch::CacheLine;
 #[cfg(feature = "shapes")]
 pub use shapes::ShapesJob;
-pub use vectors::CacheLine;
 pub use view::{Skin, mesh_hash_of};

@@ -1,6 +1,7 @@
 //! Normals and tangents, by tangent coefficients or by cofactors (METHOD §1.8).
 
-use super::view::{EIGHT, Row};
+use super::counts::EIGHT;
+use super::view::Row;
 use crate::lanes::Real;
 use crate::linear::{Columns, Matrix3x4, columns, cross, dot, moved, sum, transform};
 use crate::numeric::{halves, sqrt};

@@ -1,6 +1,6 @@
 //! A skin in a loaded file, accessors to its arrays, and the hash of its rest mesh.
 
-use super::counts::{NormalErrors, RULES, SkinCounts, place};
+use super::counts::{EIGHT, NormalErrors, RULES, SkinCounts, place};
 use crate::format::part::{self, Part, first_counts};
 use crate::format::rule::Rule;
 use crate::format::{SectionKind, crc};
@@ -199,9 +199,6 @@ impl<'a> Skin<'a> {
         self.0.array(RANGES)
     }
 }
-
-/// Vertices of a block. A block holds a row of eight for each number of a vertex.
-pub(crate) const EIGHT: usize = 8;
 
 /// A number of each vertex of a block.
 pub(crate) type Row = [Le; EIGHT];

@@ -1,7 +1,8 @@
 //! Blocks of eight vertices, of the file or gathered from it.
 
+use super::super::counts::EIGHT;
 use super::super::job::SkinJob;
-use super::super::view::{EIGHT, Row, Skin, rows_of};
+use super::super::view::{Row, Skin, rows_of};
 use crate::linear::Le;
 use bytemuck::cast;
 use core::ops::Range;

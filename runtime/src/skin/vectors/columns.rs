@@ -1,40 +1,13 @@
 //! Skinning of positions by a palette of columns, which a job writes to its scratch. A transform is two registers of
 //! two columns.
 
+use super::super::counts::EIGHT;
 use super::super::job::SkinJob;
 use super::super::output::{Output, put};
-use super::super::view::{EIGHT, Row};
-use crate::error::{Argument, CallError};
+use super::super::scratch::CacheLine;
+use super::super::view::Row;
 use core::cell::Cell;
 use fearless_simd::{Level, Simd, dispatch, f32x4, f32x8, prelude::*};
-
-/// A transform in the scratch of a job: a cache line with pairs of columns.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
-pub struct CacheLine([[f32; 8]; 2]);
-
-/// Scratch of a job, empty without.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in super::super) struct Scratch<'a>(&'a [Cell<CacheLine>]);
-
-impl<'a> Scratch<'a> {
-    pub(in super::super) fn new(lines: &'a mut [CacheLine]) -> Self {
-        Self(Cell::from_mut(lines).as_slice_of_cells())
-    }
-
-    /// Returns the cache lines of scratch for a palette.
-    pub(in super::super) const fn least(palette_len: usize) -> usize {
-        palette_len
-    }
-
-    /// Refuses scratch that is too short for a palette.
-    pub(in super::super) fn check(&self, palette_len: usize) -> Result<(), CallError> {
-        match self.0.len() {
-            0 => Ok(()),
-            len => Argument::Scratch.check_least(palette_len, len),
-        }
-    }
-}
 
 /// Rows of a block of vertices with four influences each: rest positions, indices and weights.
 type Block<'b> = ((&'b [Row; 3], &'b [[[u8; 2]; EIGHT]; 4]), &'b [Row; 4]);
@@ -43,7 +16,7 @@ type Block<'b> = ((&'b [Row; 3], &'b [[[u8; 2]; EIGHT]; 4]), &'b [Row; 4]);
 /// rest mesh; then nothing is written.
 pub(super) fn run(level: Level, job: &SkinJob<'_>) -> Option<()> {
     let SkinJob { skin, palette, rest, scratch, .. } = job;
-    let columns = scratch.0.get(..palette.len()).filter(|columns| !columns.is_empty())?;
+    let columns = scratch.lines(palette.len())?;
     if skin.influence_len() != 4 || job.remap.is_some() || rest.positions.is_some() {
         return None;
     }

@@ -1,7 +1,7 @@
 //! Posed blocks, from which a remap copies vertices.
 
+use super::super::counts::EIGHT;
 use super::super::job::SkinJob;
-use super::super::view::EIGHT;
 
 /// Where some vertices of a job come from.
 #[derive(Clone, Copy)]

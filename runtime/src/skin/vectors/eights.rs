@@ -1,9 +1,9 @@
 //! Skinning of eight vertices at a time, by the rows of their transforms.
 
+use super::super::counts::EIGHT;
 use super::super::job::SkinJob;
 use super::super::normals::{Frame, side};
 use super::super::output::Output;
-use super::super::view::EIGHT;
 use super::block::{Block, File, Gathered, MOST};
 use super::copies::{Copies, Source};
 use crate::linear::{Matrix3x4, cross, dot};

@@ -8,8 +8,6 @@ mod eights;
 
 use super::job::SkinJob;
 use crate::vectors::level;
-pub use columns::CacheLine;
-pub(super) use columns::Scratch;
 
 /// Runs a job that has been checked. `None` without vector units or influences.
 pub(super) fn run(job: &SkinJob<'_>) -> Option<()> {

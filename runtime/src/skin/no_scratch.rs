@@ -1,6 +1,5 @@
-//! Small processors have no vector units: jobs use no scratch, and skin one vertex at a time.
+//! Jobs use no scratch on small processors, which have no vector units.
 
-use super::job::SkinJob;
 use crate::error::CallError;
 use core::marker::PhantomData;
 
@@ -25,9 +24,4 @@ impl<'a> Scratch<'a> {
     pub(super) const fn check(&self, _: usize) -> Result<(), CallError> {
         Ok(())
     }
-}
-
-#[inline(always)]
-pub(super) const fn run(_: &SkinJob<'_>) -> Option<()> {
-    None
 }
