@@ -30,10 +30,11 @@ uint padded(uint len) {
     return (len + 7u) / 8u * 8u;
 }
 
-// e^-s - e^-s0, given e^-s0 and s - s0.
-float gaussian_change(float s, float gain, float rest) {
+// e^-s - e^-s0, given s - s0 and s0.
+float gaussian_change(float gain, float rest) {
     bool nearer = gain < 0.0;
-    float greater = nearer ? exp_negative(s) : rest;
+    precise float least = nearer ? max(rest + gain, 0.0) : max(rest, 0.0);
+    float greater = exp_negative(least);
     precise float change = greater * one_minus_exp_negative(nearer ? -gain : gain);
     return nearer ? change : -change;
 }
@@ -142,21 +143,20 @@ void main() {
     barrier();
 
     for (uint k = thread; k < n; k += 64u) {
-        precise float squared = 0.0;
-        precise float gain = 0.0;
+        // The squared distance; for a gaussian its excess over the distance from rest.
+        precise float sum = 0.0;
         uint at = centres + k / 8u * (8u * d) + k % 8u;
         for (uint i = 0u; i < d; i++) {
             float value = scratch[x + i];
             float t = blob_float(at);
             precise float apart = value - t;
-            squared += apart * apart;
-            gain += value * (apart - t);
+            sum += kernel == 8u ? value * (apart - t) : apart * apart;
             at += 8u;
         }
         float rest = blob_float(rests + k);
         precise float change = kernel == 8u
-            ? gaussian_change(squared, gain, rest)
-            : matern(kernel, squared) - rest;
+            ? gaussian_change(sum, rest)
+            : matern(kernel, sum) - rest;
         scratch[basis + k] = change;
     }
     memoryBarrierBuffer();

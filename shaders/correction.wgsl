@@ -14,12 +14,12 @@ fn padded(len: u32) -> u32 {
     return (len + 7u) / 8u * 8u;
 }
 
-// e^-s - e^-s0, given e^-s0 and s - s0.
-fn gaussian_change(s: f32, gain: f32, rest: f32) -> f32 {
+// e^-s - e^-s0, given s - s0 and s0.
+fn gaussian_change(gain: f32, rest: f32) -> f32 {
     if gain < 0.0 {
-        return exp_negative(s) * one_minus_exp_negative(-gain);
+        return exp_negative(max(rest + gain, 0.0)) * one_minus_exp_negative(-gain);
     }
-    return -(rest * one_minus_exp_negative(gain));
+    return -(exp_negative(max(rest, 0.0)) * one_minus_exp_negative(gain));
 }
 
 // Least and greatest sum of the squares of a linear part that is projected.
@@ -125,22 +125,25 @@ fn main(
     storageBarrier();
 
     for (var k = thread; k < n; k += 64u) {
-        var squared = 0.0;
-        var gain = 0.0;
+        // The squared distance; for a gaussian its excess over the distance from rest.
+        var sum = 0.0;
         var at = centres + k / 8u * (8u * d) + k % 8u;
         for (var i = 0u; i < d; i++) {
             let value = scratch[x + i];
             let t = blob_float(at);
             let apart = value - t;
-            squared += apart * apart;
-            gain += value * (apart - t);
+            if kernel == 8u {
+                sum += value * (apart - t);
+            } else {
+                sum += apart * apart;
+            }
             at += 8u;
         }
         let rest = blob_float(rests + k);
         if kernel == 8u {
-            scratch[basis + k] = gaussian_change(squared, gain, rest);
+            scratch[basis + k] = gaussian_change(sum, rest);
         } else {
-            scratch[basis + k] = matern(kernel, squared) - rest;
+            scratch[basis + k] = matern(kernel, sum) - rest;
         }
     }
     storageBarrier();

@@ -191,26 +191,27 @@ fn add_products(sums: &mut [Lanes; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]) {
     *sums = [sums_a, sums_b];
 }
 
-/// Squared distances of a point x from 8 points t, and their excess over the origin's: `|x - t|²`
-/// and `|x - t|² - |t|² = x (x - 2 t)`. The second form keeps its last places for a short x.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Distances {
-    pub(crate) squared: Lanes,
-    pub(crate) gain: Lanes,
+/// Sums over the coordinates of a point x and of points t.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sum {
+    /// The squared distance `|x - t|²`.
+    Squared,
+    /// Its excess over the origin's, `|x - t|² - |t|² = x (x - 2 t)`, with the last places of a short x.
+    Gain,
 }
 
-/// Computes the distances of a point from points in blocks of 8, and calls `each` with every
-/// block's. Coordinates are summed in order, and two blocks run at a time, as in [`block_product`].
+/// Computes a sum for points in blocks of 8, and calls `each` with the sums of each block. Coordinates are summed in
+/// order, and two blocks run at a time, as in [`block_product`].
 #[inline(always)]
-pub(crate) fn block_distances(points: &[[Le; 8]], from: &[f32], mut each: impl FnMut(Distances)) {
+pub(crate) fn block_sums(kind: Sum, points: &[[Le; 8]], from: &[f32], mut each: impl FnMut(Lanes)) {
     // A chunk length of zero would panic.
     let mut blocks = points.chunks_exact(from.len().max(1));
     while let Some(a) = blocks.next() {
         let second = blocks.next();
-        let [mut sums_a, mut sums_b] = [Distances::default(); 2];
+        let [mut sums_a, mut sums_b] = [Lanes::default(); 2];
         for ((a, b), &x) in a.iter().zip(second.unwrap_or(a)).zip(from) {
-            sums_a.add(x, Lanes::read(a));
-            sums_b.add(x, Lanes::read(b));
+            kind.add(&mut sums_a, x, Lanes::read(a));
+            kind.add(&mut sums_b, x, Lanes::read(b));
         }
         each(sums_a);
         if second.is_some() {
@@ -219,13 +220,15 @@ pub(crate) fn block_distances(points: &[[Le; 8]], from: &[f32], mut each: impl F
     }
 }
 
-impl Distances {
+impl Sum {
     #[inline(always)]
-    fn add(&mut self, x: f32, t: Lanes) {
-        for ((squared, gain), t) in self.squared.iter_mut().zip(&mut self.gain).zip(t) {
+    fn add(self, sums: &mut Lanes, x: f32, t: Lanes) {
+        for (sum, t) in sums.iter_mut().zip(t) {
             let apart = x - t;
-            *squared += apart * apart;
-            *gain += x * (apart - t);
+            *sum += match self {
+                Self::Squared => apart * apart,
+                Self::Gain => x * (apart - t),
+            };
         }
     }
 }

@@ -8,7 +8,7 @@ use super::rule::{Normalise, QueryRule};
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::lanes::{Eight, in_lanes};
-use crate::linear::{block_distances, block_product, padded, split};
+use crate::linear::{Sum, block_product, block_sums, padded, split};
 use crate::numeric::{greater, lesser, nearness};
 
 impl KernelCounts {
@@ -74,12 +74,12 @@ impl KernelMap<'_> {
         let mut uncertainty = 1.0;
         let mut left = self.counts().centre_len as usize;
         let mut blocks = out.iter_mut();
-        block_distances(self.centres(), point.z, |distances| {
+        block_sums(Sum::Squared, self.centres(), point.z, |squared| {
             let Some(out) = blocks.next() else { return };
-            *out = *rule.kernel.values(distances.squared).floats();
+            *out = *rule.kernel.values(squared).floats();
             // A centre with nearness 1 leaves no uncertainty, for any other centres.
             if rule.has_fade() && uncertainty > 0.0 {
-                let nearness = in_lanes(distances.squared, |s| nearness(s, rule.fade));
+                let nearness = in_lanes(squared, |s| nearness(s, rule.fade));
                 for near in nearness.floats().iter().take(left) {
                     uncertainty *= 1.0 - near;
                 }

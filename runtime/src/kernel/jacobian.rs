@@ -8,7 +8,7 @@ use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::lanes::Eight;
-use crate::linear::{block_distances, block_entry, block_product, floats, padded, split};
+use crate::linear::{Sum, block_entry, block_product, block_sums, floats, padded, split};
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::jacobian`] needs.
@@ -74,9 +74,9 @@ impl KernelMap<'_> {
     fn slopes(&self, point: &Point<'_>, out: &mut [[f32; 8]]) {
         let kernel = self.rule().kernel;
         let mut blocks = out.iter_mut();
-        block_distances(self.centres(), point.z, |distances| {
+        block_sums(Sum::Squared, self.centres(), point.z, |squared| {
             let Some(out) = blocks.next() else { return };
-            for (out, s) in out.iter_mut().zip(distances.squared.floats()) {
+            for (out, s) in out.iter_mut().zip(squared.floats()) {
                 *out = 2.0 * kernel.slope(*s);
             }
         });

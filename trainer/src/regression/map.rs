@@ -163,8 +163,6 @@ struct Distance {
     dimensions: usize,
     /// Exact squared distances.
     squared: Squared,
-    /// Error of s.
-    squared_error: f64,
     /// Error of the gain.
     gain_error: f64,
     /// Length of the inputs' errors.
@@ -174,9 +172,8 @@ struct Distance {
 impl Distance {
     /// Measures an input, d values with a bound of the error of each.
     ///
-    /// Each term of `Σ (x - t)²` is behind d + 2 roundings. Each product of `Σ x ((x - t) - t)` is behind d + 1
-    /// roundings, and its inner difference has an error of u before. An error e of x changes a term of either sum by `2
-    /// (x - t) e + e²`.
+    /// Each product of `Σ x ((x - t) - t)` is behind d + 1 roundings, and its inner difference has an error of u
+    /// before. An error e of x changes a term by `2 (x - t) e + e²`.
     fn new(input: &[f64], input_error: &[f64], centre: &[f64]) -> Self {
         let dimensions = input.len();
         let squared = Squared::new(input, centre);
@@ -191,7 +188,6 @@ impl Distance {
         }
         Self {
             dimensions,
-            squared_error: inherited + gamma(dimensions + 2) * (squared.here + inherited),
             squared,
             gain_error: inherited + rounded,
             input_error: f64::sqrt(length),
@@ -200,16 +196,19 @@ impl Distance {
 
     /// Bounds the error of a kernel's change.
     ///
-    /// A gaussian's change is `e^-s (1 - e^gain)` or `e^-|t|² (1 - e^-gain)`. The first factor passes its error on to
-    /// the change. The second factor passes the gain's error on to the lesser of the two values. If the sign of the
-    /// gain is uncertain, the change is at most the gain's error. Roundings: 1 ULP, 2 ULP and a product.
+    /// A gaussian's change is `e^-s (1 - e^gain)` or `e^-|t|² (1 - e^-gain)`, with s = |t|² + gain. The first factor
+    /// passes its error on to the change. The second factor passes the gain's error on to the lesser of the two values.
+    /// If the sign of the gain is uncertain, the change is at most the gain's error. Roundings: 1 ULP, 2 ULP and a
+    /// product.
     fn change_error(&self, kernel: GroupKernel, arithmetic: Arithmetic) -> f64 {
         let Squared { here, rest, gain } = self.squared;
         let change = self.squared.change(kernel).abs();
         let (inherited, roundings) = if kernel == GroupKernel::Gaussian {
             let rest_error = gamma(self.dimensions) * rest;
-            let taken = if gain < 0.0 { self.squared_error } else { rest_error };
-            let both = (self.squared_error + rest_error + self.gain_error).exp();
+            let inherited = rest_error + self.gain_error;
+            let error = inherited + U * (here + inherited);
+            let taken = if gain < 0.0 { error } else { rest_error };
+            let both = (error + inherited).exp();
             let least = kernel.exact(here.max(rest));
             (change * taken.exp_m1() + least * self.gain_error.exp_m1() * both, 7)
         } else {

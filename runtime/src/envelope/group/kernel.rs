@@ -3,9 +3,9 @@
 //! The trainer's `kernel/mod.rs` lists the steps to add a kernel.
 
 use crate::lanes::{Lanes, Real, in_lanes};
-use crate::linear::Distances;
+use crate::linear::Sum;
 use crate::named::named;
-use crate::numeric::{EXP_MAX, exp_negative, lesser, one_minus_exp_negative, sqrt};
+use crate::numeric::{EXP_MAX, exp_negative, greater, lesser, one_minus_exp_negative, sqrt};
 
 named! {
     /// Kernel of a group, as a function of the squared scaled distance s (METHOD §2.1).
@@ -46,24 +46,26 @@ impl GroupKernel {
         value
     }
 
-    /// Evaluates the kernel of a centre at x = 0, which a file stores as `rest`.
+    /// Computes what a file stores as `rest` of a centre t: `|t|²` for a gaussian, else the kernel at x = 0.
     ///
     /// The bits are those of a kernel map at x = 0.
     pub fn at_rest(self, centre: impl IntoIterator<Item = f32>) -> f32 {
-        self.value(centre.into_iter().fold(0.0, |sum, t| sum + t * t))
+        let squared = centre.into_iter().fold(0.0, |sum, t| sum + t * t);
+        if self == Self::Gaussian { squared } else { self.value(squared) }
+    }
+
+    /// Returns the sum of which [`Self::changes`] is a function.
+    #[inline(always)]
+    pub(crate) fn sum(self) -> Sum {
+        if self == Self::Gaussian { Sum::Gain } else { Sum::Squared }
     }
 
     /// Evaluates the kernels of 8 centres, less the values at x = 0.
     #[inline(always)]
-    pub(crate) fn changes(self, distances: &Distances, rest: Lanes) -> Lanes {
-        let mut out = distances.squared;
-        if self == Self::Gaussian {
-            for ((s, gain), rest) in out.iter_mut().zip(distances.gain).zip(rest) {
-                *s = gaussian_change(*s, gain, rest);
-            }
-        } else {
-            out = self.values(out);
-            out.iter_mut().zip(rest).for_each(|(value, rest)| *value -= rest);
+    pub(crate) fn changes(self, sums: Lanes, rest: Lanes) -> Lanes {
+        let mut out = if self == Self::Gaussian { sums } else { self.values(sums) };
+        for (out, rest) in out.iter_mut().zip(rest) {
+            *out = if self == Self::Gaussian { gaussian_change(*out, rest) } else { *out - rest };
         }
         out
     }
@@ -88,11 +90,11 @@ impl GroupKernel {
 /// Returns `e^-s - e^-s0` for `s >= 0`, without cancellation if s is near s0.
 ///
 /// - `gain`: `s - s0`.
-/// - `rest`: `e^-s0`.
+/// - `rest`: s0.
 #[inline(always)]
-fn gaussian_change<R: Real>(s: R, gain: R, rest: R) -> R {
-    let none = s.splat(0.0);
-    let greater = gain.where_less(none, || exp_negative(s), || rest);
+fn gaussian_change<R: Real>(gain: R, rest: R) -> R {
+    let none = gain.splat(0.0);
+    let greater = exp_negative(greater(none, rest + lesser(gain, none)));
     let apart = gain.where_less(none, || -gain, || gain);
     let change = greater * one_minus_exp_negative(apart);
     gain.where_less(none, || change, || -change)
@@ -138,14 +140,13 @@ mod tests {
 
     #[test]
     fn changes_near_rest_do_not_cancel() {
-        let rest = 0.7f64;
-        for gain in [-0.35, -1e-3, -1e-6, 0.0, 1e-9, 1e-3, 0.5, 3.0, 40.0] {
-            let s = rest + gain;
+        let rest = f64::from(0.7f32);
+        for gain in [-0.35f64, -1e-3, -1e-6, 0.0, 1e-9, 1e-3, 0.5, 3.0, 40.0] {
             let exact = (-rest).exp() * (-gain).exp_m1();
-            let found = gaussian_change(s as f32, gain as f32, (-rest).exp() as f32);
+            let found = gaussian_change(gain as f32, rest as f32);
             assert!((f64::from(found) - exact).abs() <= 4e-7 * exact.abs(), "{gain} {found}");
         }
-        assert!(gaussian_change(f32::INFINITY, f32::INFINITY, 1.0).is_finite());
+        assert!(gaussian_change(f32::INFINITY, 1.0).is_finite());
     }
 
     #[test]

@@ -5,11 +5,11 @@ use super::kernel::GroupKernel;
 use super::row::{GroupRow, Shape};
 use crate::envelope::view::Envelope;
 use crate::lanes::{Eight, Lanes};
-use crate::linear::{Le, block_distances, block_entry, block_product, padded, split};
+use crate::linear::{Le, block_entry, block_product, block_sums, padded, split};
 use core::fmt;
 use core::ops::Range;
 
-/// Helpers that share a dominant joint and one kernel map, `y = w outputs z` with `[z h] = C (G(s) - rest) + A x`.
+/// Helpers that share a dominant joint and one kernel map, `y = w outputs z` with `[z h] = C g + A x`.
 ///
 /// The inputs are `x_i = weight_i phi[feature_i]`. Accessors by index return `None` beyond their range.
 #[derive(Clone)]
@@ -118,7 +118,7 @@ impl<'a> Group<'a> {
         block_entry(self.centres, (self.shape.centre_len, self.shape.input_len), k, i)
     }
 
-    /// Returns the kernel of centre k at x = 0, which the map subtracts.
+    /// Returns what the map subtracts of centre k at x = 0: [`GroupKernel::at_rest`].
     pub fn rest(&self, k: usize) -> Option<f32> {
         block_entry(self.rest, (self.shape.centre_len, 1), k, 0)
     }
@@ -171,13 +171,25 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// Computes g = G(s) - rest, n values in whole blocks.
+    /// Computes g, the change of each centre's kernel from rest, n values in whole blocks.
     #[inline]
     fn basis(&self, input: &[f32], out: &mut [[f32; 8]]) {
+        // One loop for each kernel where code may be large.
+        match self.kernel {
+            _ if cfg!(target_os = "none") => self.basis_of(self.kernel, input, out),
+            GroupKernel::Gaussian => self.basis_of(GroupKernel::Gaussian, input, out),
+            GroupKernel::Matern12 => self.basis_of(GroupKernel::Matern12, input, out),
+            GroupKernel::Matern32 => self.basis_of(GroupKernel::Matern32, input, out),
+            GroupKernel::Matern52 => self.basis_of(GroupKernel::Matern52, input, out),
+        }
+    }
+
+    #[inline(always)]
+    fn basis_of(&self, kernel: GroupKernel, input: &[f32], out: &mut [[f32; 8]]) {
         let mut blocks = out.iter_mut().zip(self.rest);
-        block_distances(self.centres, input, |distances| {
+        block_sums(kernel.sum(), self.centres, input, |sums| {
             let Some((out, rest)) = blocks.next() else { return };
-            *out = *self.kernel.changes(&distances, Lanes::read(rest)).floats();
+            *out = *kernel.changes(sums, Lanes::read(rest)).floats();
         });
     }
 }
