@@ -143,14 +143,14 @@ void main() {
     barrier();
 
     for (uint k = thread; k < n; k += 64u) {
-        // The squared distance; for a gaussian its excess over the distance from rest.
+        // The squared distance from t; for a gaussian its excess over the distance from rest, x (x - 2 t).
         precise float sum = 0.0;
         uint at = centres + k / 8u * (8u * d) + k % 8u;
         for (uint i = 0u; i < d; i++) {
             float value = scratch[x + i];
             float t = blob_float(at);
             precise float apart = value - t;
-            sum += kernel == 8u ? value * (apart - t) : apart * apart;
+            sum += apart * (kernel == 8u ? value : apart);
             at += 8u;
         }
         float rest = blob_float(rests + k);

@@ -125,18 +125,14 @@ fn main(
     storageBarrier();
 
     for (var k = thread; k < n; k += 64u) {
-        // The squared distance; for a gaussian its excess over the distance from rest.
+        // The squared distance from t; for a gaussian its excess over the distance from rest, x (x - 2 t).
         var sum = 0.0;
         var at = centres + k / 8u * (8u * d) + k % 8u;
         for (var i = 0u; i < d; i++) {
             let value = scratch[x + i];
             let t = blob_float(at);
             let apart = value - t;
-            if kernel == 8u {
-                sum += value * (apart - t);
-            } else {
-                sum += apart * apart;
-            }
+            sum += apart * select(apart, value, kernel == 8u);
             at += 8u;
         }
         let rest = blob_float(rests + k);

@@ -66,7 +66,7 @@ pub mod record;
 pub mod skin;
 #[cfg(feature = "internals")]
 pub mod stages;
-#[cfg(not(target_os = "none"))]
+#[cfg_attr(target_os = "none", path = "no_vectors.rs")]
 mod vectors;
 #[cfg(feature = "views")]
 pub mod views;

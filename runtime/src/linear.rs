@@ -3,7 +3,8 @@
 //! Loops run over zipped rows, not over indices. In code optimised for size an index keeps its
 //! bounds check, and the check would put a panic into firmware.
 
-use crate::lanes::{Eight, Lanes, Real};
+use crate::lanes::{Lanes, Real, Unit};
+use crate::vectors::{Level, by_unit};
 
 /// A rigid or affine transform as three rows of four: `y[r] = m[r][0..3] . x + m[r][3]`.
 pub type Matrix3x4 = [[f32; 4]; 3];
@@ -142,17 +143,40 @@ pub(crate) fn quaternion(m: &Columns) -> ([f32; 3], f32) {
 ///
 /// `block` holds 8 coefficients per column and `input` three coordinates per column. `sums[r][i]`
 /// is coordinate r of row i. Each sum takes its columns in order, for any SIMD width.
-pub(crate) fn add_block_product(sums: &mut [Lanes; 3], block: &[[Le; 8]], input: &[[f32; 3]]) {
-    let mut local = *sums;
-    for (coefficients, x) in block.iter().zip(input) {
-        let coefficients = Lanes::read(coefficients);
-        for (sum, x) in local.iter_mut().zip(x) {
-            for (sum, coefficient) in sum.iter_mut().zip(coefficients) {
-                *sum += coefficient * *x;
+pub(crate) fn add_block_product(
+    level: Level,
+    sums: &mut [[f32; 8]; 3],
+    block: &[[Le; 8]],
+    input: &[[f32; 3]],
+) {
+    if cfg!(target_os = "none") {
+        // Row after row, with the sums in registers.
+        let [xs, ys, zs] = sums;
+        for (row, ((x, y), z)) in xs.iter_mut().zip(ys).zip(zs).enumerate() {
+            let mut own = [*x, *y, *z];
+            for (coefficients, input) in block.iter().zip(input) {
+                let coefficient = f32::from_le_bytes(coefficients[row % 8]);
+                own = sum(own, input.map(|x| coefficient * x));
+            }
+            [*x, *y, *z] = own;
+        }
+        return;
+    }
+    by_unit!(level, unit => {
+        let [x, y, z] = &*sums;
+        let mut local = [unit.load(x), unit.load(y), unit.load(z)];
+        for (coefficients, x) in block.iter().zip(input) {
+            let coefficients = unit.read(coefficients);
+            for (sum, x) in local.iter_mut().zip(x) {
+                for (sum, coefficient) in sum.iter_mut().zip(coefficients) {
+                    *sum += coefficient * *x;
+                }
             }
         }
-    }
-    *sums = local;
+        for (sums, local) in sums.iter_mut().zip(&local) {
+            *sums = unit.floats(*local);
+        }
+    });
 }
 
 /// Computes the product of a matrix in blocks of 8 rows with a vector in two parts. Two blocks run
@@ -160,74 +184,101 @@ pub(crate) fn add_block_product(sums: &mut [Lanes; 3], block: &[[Le; 8]], input:
 ///
 /// `matrix` holds 8 coefficients per column, one block after the other; `out[b]` receives the
 /// product of block b.
-#[inline]
-pub(crate) fn block_product(matrix: &[[Le; 8]], parts: [&[f32]; 2], out: &mut [[f32; 8]]) {
-    let [first, second] = parts;
-    // A chunk length of zero would panic.
-    let mut blocks = matrix.chunks_exact((first.len() + second.len()).max(1));
-    for out in out.chunks_mut(2) {
-        let Some(a) = blocks.next() else { return };
-        let b = blocks.next().unwrap_or(a);
-        let cut = first.len().min(a.len()).min(b.len());
-        let ((a0, a1), (b0, b1)) = (a.split_at(cut), b.split_at(cut));
-        let mut sums = [Lanes::default(); 2];
-        add_products(&mut sums, [a0, b0], first);
-        add_products(&mut sums, [a1, b1], second);
-        out.iter_mut().zip(sums).for_each(|(out, sums)| *out = *sums.floats());
-    }
+pub(crate) fn block_product(
+    level: Level,
+    matrix: &[[Le; 8]],
+    [first, second]: [&[f32]; 2],
+    out: &mut [[f32; 8]],
+) {
+    by_unit!(level, unit => {
+        // A chunk length of zero would panic.
+        let mut blocks = matrix.chunks_exact((first.len() + second.len()).max(1));
+        for out in out.chunks_mut(2) {
+            let Some(a) = blocks.next() else { return };
+            let b = blocks.next().unwrap_or(a);
+            let cut = first.len().min(a.len()).min(b.len());
+            let ((a0, a1), (b0, b1)) = (a.split_at(cut), b.split_at(cut));
+            let mut sums = [unit.load(&[0.0; 8]); 2];
+            add_products(unit, &mut sums, [a0, b0], first);
+            add_products(unit, &mut sums, [a1, b1], second);
+            for (out, sums) in out.iter_mut().zip(&sums) {
+                *out = unit.floats(*sums);
+            }
+        }
+    });
 }
 
 #[inline(always)]
-fn add_products(sums: &mut [Lanes; 2], [a, b]: [&[[Le; 8]]; 2], input: &[f32]) {
+fn add_products<U: Unit>(
+    unit: U,
+    sums: &mut [Lanes<U>; 2],
+    [a, b]: [&[[Le; 8]]; 2],
+    input: &[f32],
+) {
     let [mut sums_a, mut sums_b] = *sums;
     for ((a, b), x) in a.iter().zip(b).zip(input) {
-        for (sum, coefficient) in sums_a.iter_mut().zip(Lanes::read(a)) {
+        for (sum, coefficient) in sums_a.iter_mut().zip(unit.read(a)) {
             *sum += coefficient * *x;
         }
-        for (sum, coefficient) in sums_b.iter_mut().zip(Lanes::read(b)) {
+        for (sum, coefficient) in sums_b.iter_mut().zip(unit.read(b)) {
             *sum += coefficient * *x;
         }
     }
     *sums = [sums_a, sums_b];
 }
 
-/// Sums over the coordinates of a point x and of points t.
+/// Sums over the coordinates of a point x and of points.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sum {
-    /// The squared distance `|x - t|²`.
+    /// The squared distance from points t, `|x - t|²`.
     Squared,
-    /// Its excess over the origin's, `|x - t|² - |t|² = x (x - 2 t)`, with the last places of a short x.
+    /// Its excess over the origin's, `|x - t|² - |t|² = x (x - 2 t)`, with the last places of a short x. The points are
+    /// 2 t.
     Gain,
 }
 
-/// Computes a sum for points in blocks of 8, and calls `each` with the sums of each block. Coordinates are summed in
-/// order, and two blocks run at a time, as in [`block_product`].
+/// Computes sums for points in blocks of 8. Coordinates are summed in order, and two blocks run at a time, as in
+/// [`block_product`].
+pub(crate) fn block_sums(
+    level: Level,
+    kind: Sum,
+    points: &[[Le; 8]],
+    from: &[f32],
+    out: &mut [[f32; 8]],
+) {
+    by_unit!(level, unit => match kind {
+        _ if cfg!(target_os = "none") => sums_of(unit, kind, points, from, out),
+        Sum::Squared => sums_of(unit, Sum::Squared, points, from, out),
+        Sum::Gain => sums_of(unit, Sum::Gain, points, from, out),
+    });
+}
+
 #[inline(always)]
-pub(crate) fn block_sums(kind: Sum, points: &[[Le; 8]], from: &[f32], mut each: impl FnMut(Lanes)) {
+fn sums_of<U: Unit>(unit: U, kind: Sum, points: &[[Le; 8]], from: &[f32], out: &mut [[f32; 8]]) {
     // A chunk length of zero would panic.
     let mut blocks = points.chunks_exact(from.len().max(1));
-    while let Some(a) = blocks.next() {
-        let second = blocks.next();
-        let [mut sums_a, mut sums_b] = [Lanes::default(); 2];
-        for ((a, b), &x) in a.iter().zip(second.unwrap_or(a)).zip(from) {
-            kind.add(&mut sums_a, x, Lanes::read(a));
-            kind.add(&mut sums_b, x, Lanes::read(b));
+    for out in out.chunks_mut(2) {
+        let Some(a) = blocks.next() else { return };
+        let b = blocks.next().unwrap_or(a);
+        let [mut sums_a, mut sums_b] = [unit.load(&[0.0; 8]); 2];
+        for ((a, b), &x) in a.iter().zip(b).zip(from) {
+            kind.add::<U>(&mut sums_a, x, unit.read(a));
+            kind.add::<U>(&mut sums_b, x, unit.read(b));
         }
-        each(sums_a);
-        if second.is_some() {
-            each(sums_b);
+        for (out, sums) in out.iter_mut().zip(&[sums_a, sums_b]) {
+            *out = unit.floats(*sums);
         }
     }
 }
 
 impl Sum {
     #[inline(always)]
-    fn add(self, sums: &mut Lanes, x: f32, t: Lanes) {
+    fn add<U: Unit>(self, sums: &mut Lanes<U>, x: f32, t: Lanes<U>) {
         for (sum, t) in sums.iter_mut().zip(t) {
-            let apart = x - t;
+            let apart = t.splat(x) - t;
             *sum += match self {
                 Self::Squared => apart * apart,
-                Self::Gain => x * (apart - t),
+                Self::Gain => apart * x,
             };
         }
     }

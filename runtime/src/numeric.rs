@@ -101,7 +101,12 @@ pub(crate) fn one_minus_exp_negative<R: Real>(a: R) -> R {
     // Above ln 2 the difference from 1 loses no accuracy.
     let tail = a * (a * (a * 1.465_846_3e-4 - 1.341_553e-3) + 8.311_225e-3) - 0.041_661_285;
     let near = a * a * (a * (a * tail + 0.166_666_03) - 0.499_999_97) + a;
-    a.where_less(a.splat(core::f32::consts::LN_2), || near, || a.splat(1.0) - exp_negative(a))
+    a.where_less(
+        a.splat(core::f32::consts::LN_2),
+        || near,
+        #[inline(always)]
+        || a.splat(1.0) - exp_negative(a),
+    )
 }
 
 /// Returns the natural logarithm of `x >= 0`. Below the least normal number it returns that

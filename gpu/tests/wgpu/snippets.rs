@@ -135,7 +135,7 @@ fn vertices(skin: &Skin<'_>) -> Vec<f32> {
         let [x, y, z, _] = skin.rest_tangent(v).unwrap_or_default();
         let (mut indices, mut weights): (Vec<_>, Vec<_>) =
             skin.influences(v).map(|(index, weight)| (index as f32, weight)).unzip();
-        // The last influence fills the unused slots, without weight.
+        // An influence without weight fills the unused slots.
         indices.resize(4, *indices.last().unwrap());
         weights.resize(4, 0.0);
         let mut coefficients: Vec<_> = skin.tangent_coefficients(v).collect();

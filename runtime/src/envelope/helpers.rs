@@ -10,6 +10,7 @@ use crate::linear::{
 };
 use crate::matrix;
 use crate::numeric::{lesser, sqrt};
+use crate::vectors::{Level, level};
 
 /// Evaluates stage joints: [`crate::stages::joints`] with checked arguments.
 pub(crate) fn joints(envelope: &Envelope<'_>, pose: &[Matrix3x4], out_palette: &mut [Matrix3x4]) {
@@ -79,11 +80,11 @@ pub(crate) fn correction(
 ) -> f32 {
     let first = out_palette.len().saturating_sub(envelope.proxy_len());
     let (_, helpers) = split(out_palette, first);
-    let mut error = ExpectedError::default();
+    let (mut error, level) = (ExpectedError::default(), level());
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
         let out = helpers.get_mut(group.proxies.clone()).unwrap_or_default();
         let dominant = dominant(pose, group.joint);
-        error = error.plus(add_correction(&group, dominant, features, scratch, out));
+        error = error.plus(add_correction(level, &group, dominant, features, scratch, out));
     }
     #[cfg(feature = "trs")]
     super::trs::project(envelope, helpers);
@@ -109,7 +110,7 @@ pub(crate) fn joint_confidences(
     let own = confidence::of_joints(envelope, pose, features);
     out_confidences.iter_mut().zip(own).for_each(|(out, own)| *out = own);
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
-        let (error, _) = evaluate_map(&group, features, scratch);
+        let (error, _) = evaluate_map(level(), &group, features, scratch);
         if let Some(out) = out_confidences.get_mut(group.joint) {
             *out = lesser(*out, error.confidence());
         }
@@ -179,13 +180,14 @@ fn half_rotation(m: &Columns) -> [[f32; 3]; 3] {
 
 /// Adds a group's correction to the group's helpers, and returns the expected error.
 fn add_correction(
+    level: Level,
     group: &Group<'_>,
     dominant: &Matrix3x4,
     features: &[f32],
     scratch: &mut [f32],
     out: &mut [Matrix3x4],
 ) -> ExpectedError {
-    let (error, added) = evaluate_map(group, features, scratch);
+    let (error, added) = evaluate_map(level, group, features, scratch);
     let added = added.as_chunks::<4>().0.as_chunks::<3>().0;
     for (map, added) in out.iter_mut().zip(added) {
         for (row, [x, y, z, _]) in map.iter_mut().zip(dominant) {
@@ -201,6 +203,7 @@ fn add_correction(
 /// Gathers a group's inputs and evaluates the group's map, as [`Group::evaluate`] does.
 #[inline]
 fn evaluate_map<'a>(
+    level: Level,
     group: &Group<'_>,
     features: &[f32],
     scratch: &'a mut [f32],
@@ -211,5 +214,5 @@ fn evaluate_map<'a>(
         *x = weight * features.get(feature).copied().unwrap_or_default();
     }
     let input = input.get(..group.input_len()).unwrap_or_default();
-    group.evaluate(input, scratch, added)
+    group.evaluate(level, input, scratch, added)
 }

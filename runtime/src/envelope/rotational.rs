@@ -3,12 +3,12 @@
 use super::counts::STRAIN_LEN;
 use super::polar::is_hidden;
 use super::view::{Envelope, KeyRow, joint_index};
-use crate::lanes::{Eight, Lanes};
 use crate::linear::{
     Columns, IDENTITY, Le, Matrix3x4, add_block_product, columns, compose, cross, dot, floats,
     product, quaternion, rows, turn_back,
 };
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
+use crate::vectors::level;
 
 /// Evaluates stage gradients: [`crate::stages::gradients`] with checked arguments.
 ///
@@ -60,19 +60,20 @@ pub(crate) fn palette(
     gradients: &[[f32; 3]],
     out_palette: &mut [Matrix3x4],
 ) {
+    let level = level();
     // Neither stack is empty; chunks of zero would panic.
     let blocks = envelope
         .c1_blocks()
         .chunks_exact(gradients.len().max(1))
         .zip(envelope.c2_blocks().chunks_exact(relative.len().max(1)));
     for ((c1, c2), out) in blocks.zip(out_palette.chunks_mut(2)) {
-        let mut sums = [Lanes::default(); 3];
-        add_block_product(&mut sums, c1, gradients);
-        add_block_product(&mut sums, c2, relative);
+        let mut sums = [[0.0; 8]; 3];
+        add_block_product(level, &mut sums, c1, gradients);
+        add_block_product(level, &mut sums, c2, relative);
         // A block is two transforms: rows 0 to 3, then 4 to 7.
         let [x, y, z] = &sums;
-        let rows = x.floats().as_chunks().0.iter().zip(y.floats().as_chunks().0);
-        for (out, ((x, y), z)) in out.iter_mut().zip(rows.zip(z.floats().as_chunks().0)) {
+        let rows = x.as_chunks().0.iter().zip(y.as_chunks().0);
+        for (out, ((x, y), z)) in out.iter_mut().zip(rows.zip(z.as_chunks().0)) {
             *out = compose(root, &[*x, *y, *z]);
         }
     }

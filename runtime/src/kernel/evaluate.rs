@@ -7,9 +7,10 @@ use super::rows::OutputKind;
 use super::rule::{Normalise, QueryRule};
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::lanes::{Eight, in_lanes};
+use crate::lanes::{Unit, in_lanes};
 use crate::linear::{Sum, block_product, block_sums, padded, split};
 use crate::numeric::{greater, lesser, nearness};
+use crate::vectors::{by_unit, level};
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::evaluate`] needs.
@@ -60,7 +61,7 @@ impl KernelMap<'_> {
         let basis = basis.get(..n).unwrap_or_default();
         // Without centres and terms no column is summed.
         values.fill(0.0);
-        block_product(self.coefficients(), [basis, point.terms], values.as_chunks_mut().0);
+        block_product(level(), self.coefficients(), [basis, point.terms], values.as_chunks_mut().0);
         let (found, _) = split(scratch, out.len());
         let (values, _) = split(values, m);
         outputs(self, confidence, values, found)?;
@@ -70,22 +71,23 @@ impl KernelMap<'_> {
 
     /// Computes G for each centre, n values in whole blocks, and returns the confidence.
     pub(super) fn basis(&self, point: &Point<'_>, out: &mut [[f32; 8]]) -> f32 {
-        let rule = self.rule();
+        let (rule, level) = (self.rule(), level());
+        block_sums(level, Sum::Squared, self.centres(), point.z, out);
         let mut uncertainty = 1.0;
         let mut left = self.counts().centre_len as usize;
-        let mut blocks = out.iter_mut();
-        block_sums(Sum::Squared, self.centres(), point.z, |squared| {
-            let Some(out) = blocks.next() else { return };
-            *out = *rule.kernel.values(squared).floats();
+        for out in out {
             // A centre with nearness 1 leaves no uncertainty, for any other centres.
             if rule.has_fade() && uncertainty > 0.0 {
-                let nearness = in_lanes(squared, |s| nearness(s, rule.fade));
-                for near in nearness.floats().iter().take(left) {
+                let near = by_unit!(level, unit => {
+                    unit.floats(in_lanes(unit.load(out), #[inline(always)] |s| nearness(s, rule.fade)))
+                });
+                for near in near.iter().take(left) {
                     uncertainty *= 1.0 - near;
                 }
                 left = left.saturating_sub(8);
             }
-        });
+            *out = by_unit!(level, unit => unit.floats(rule.kernel.values(unit.load(out))));
+        }
         if rule.has_fade() { 1.0 - uncertainty } else { 1.0 }
     }
 }

@@ -135,32 +135,68 @@ impl Kernel {
     #[inline(always)]
     pub(super) fn values<R: Real, const N: usize>(self, s: [R; N]) -> [R; N] {
         match self {
-            Self::Linear => in_lanes(s, |s| -sqrt(s)),
-            Self::ThinPlate => in_lanes(s, |s| s * 0.5 * ln(s)),
-            Self::Cubic => in_lanes(s, |s| s * sqrt(s)),
-            Self::Quintic => in_lanes(s, |s| -(s * s * sqrt(s))),
-            Self::Multiquadric => in_lanes(s, |s| -sqrt(s + 1.0)),
-            Self::InverseMultiquadric => in_lanes(s, |s| s.splat(1.0) / sqrt(s + 1.0)),
-            Self::InverseQuadratic => in_lanes(s, |s| s.splat(1.0) / (s + 1.0)),
+            Self::Linear => in_lanes(
+                s,
+                #[inline(always)]
+                |s| -sqrt(s),
+            ),
+            Self::ThinPlate => in_lanes(
+                s,
+                #[inline(always)]
+                |s| s * 0.5 * ln(s),
+            ),
+            Self::Cubic => in_lanes(
+                s,
+                #[inline(always)]
+                |s| s * sqrt(s),
+            ),
+            Self::Quintic => in_lanes(
+                s,
+                #[inline(always)]
+                |s| -(s * s * sqrt(s)),
+            ),
+            Self::Multiquadric => in_lanes(
+                s,
+                #[inline(always)]
+                |s| -sqrt(s + 1.0),
+            ),
+            Self::InverseMultiquadric => in_lanes(
+                s,
+                #[inline(always)]
+                |s| s.splat(1.0) / sqrt(s + 1.0),
+            ),
+            Self::InverseQuadratic => in_lanes(
+                s,
+                #[inline(always)]
+                |s| s.splat(1.0) / (s + 1.0),
+            ),
             Self::Gaussian => GroupKernel::Gaussian.values(s),
             Self::Matern12 => GroupKernel::Matern12.values(s),
             Self::Matern32 => GroupKernel::Matern32.values(s),
             Self::Matern52 => GroupKernel::Matern52.values(s),
-            Self::Wendland { l } => in_lanes(s, |s| {
-                let r = lesser(sqrt(s), s.splat(1.0));
-                let left = r.splat(1.0) - r;
-                power(left, l) * left * (r * (f32::from(l) + 1.0) + 1.0)
-            }),
-            Self::Hat { power } => in_lanes(s, |s| {
-                let r = sqrt(s);
-                let fallen = match power {
-                    1 => r,
-                    3 => s * r,
-                    _ => s * s * r,
-                };
-                let edge = r.splat(1.0);
-                r.where_less(edge, || edge - fallen, || r.splat(0.0))
-            }),
+            Self::Wendland { l } => in_lanes(
+                s,
+                #[inline(always)]
+                |s| {
+                    let r = lesser(sqrt(s), s.splat(1.0));
+                    let left = r.splat(1.0) - r;
+                    power(left, l) * left * (r * (f32::from(l) + 1.0) + 1.0)
+                },
+            ),
+            Self::Hat { power } => in_lanes(
+                s,
+                #[inline(always)]
+                |s| {
+                    let r = sqrt(s);
+                    let fallen = match power {
+                        1 => r,
+                        3 => s * r,
+                        _ => s * s * r,
+                    };
+                    let edge = r.splat(1.0);
+                    r.where_less(edge, || edge - fallen, || r.splat(0.0))
+                },
+            ),
         }
     }
 
@@ -216,7 +252,8 @@ fn power<R: Real>(x: R, l: u8) -> R {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::lanes::{Eight, Lanes};
+    use crate::lanes::Unit;
+    use crate::vectors::{by_unit, level};
 
     fn exact(kernel: Kernel, s: f64) -> f64 {
         let r = s.sqrt();
@@ -313,8 +350,8 @@ mod tests {
     fn eight_lanes_have_the_bits_of_one() {
         let s = [0.0, 1e-9, 0.1, 0.7, 0.98, 3.0, 40.0, 1e30];
         for kernel in all() {
-            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes)));
-            assert_eq!(found.floats().map(f32::to_bits), s.map(|s| kernel.value(s).to_bits()));
+            let found = by_unit!(level(), unit => unit.floats(kernel.values(unit.load(&s))));
+            assert_eq!(found.map(f32::to_bits), s.map(|s| kernel.value(s).to_bits()));
         }
     }
 

@@ -7,8 +7,8 @@ use super::rows::InputRow;
 use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
-use crate::lanes::Eight;
 use crate::linear::{Sum, block_entry, block_product, block_sums, floats, padded, split};
+use crate::vectors::level;
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::jacobian`] needs.
@@ -73,13 +73,10 @@ impl KernelMap<'_> {
     /// Computes 2 dG/ds for each centre, n values in whole blocks.
     fn slopes(&self, point: &Point<'_>, out: &mut [[f32; 8]]) {
         let kernel = self.rule().kernel;
-        let mut blocks = out.iter_mut();
-        block_sums(Sum::Squared, self.centres(), point.z, |squared| {
-            let Some(out) = blocks.next() else { return };
-            for (out, s) in out.iter_mut().zip(squared.floats()) {
-                *out = 2.0 * kernel.slope(*s);
-            }
-        });
+        block_sums(level(), Sum::Squared, self.centres(), point.z, out);
+        for slope in out.as_flattened_mut() {
+            *slope = 2.0 * kernel.slope(*slope);
+        }
     }
 }
 
@@ -155,7 +152,7 @@ impl Columns<'_, '_> {
         self.terms(feature, terms);
         out.fill(0.0);
         let steps = steps.get(..n).unwrap_or_default();
-        block_product(self.map.coefficients(), [steps, terms], out.as_chunks_mut().0);
+        block_product(level(), self.map.coefficients(), [steps, terms], out.as_chunks_mut().0);
         let figures = self.map.features().get(feature).map(floats).unwrap_or_default();
         let [_, scale, ..]: [f32; 4] = figures;
         out.iter_mut().for_each(|x| *x *= scale);

@@ -9,6 +9,7 @@ use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{block_product, floats, padded, split, squared_length};
 use crate::numeric::{greater, lesser};
+use crate::vectors::level;
 
 /// A query as the kernels use it.
 pub(super) struct Point<'s> {
@@ -44,7 +45,7 @@ impl<'s> Point<'s> {
         if e == 0 {
             return (Self { u, z: u, terms }, scratch);
         }
-        block_product(map.metric(), [u, &[]], z.as_chunks_mut().0);
+        block_product(level(), map.metric(), [u, &[]], z.as_chunks_mut().0);
         (Self { u, z: z.get(..e).unwrap_or_default(), terms }, scratch)
     }
 }

@@ -6,6 +6,7 @@ use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Le, block_product, floats, padded, split};
 use crate::numeric::greater;
+use crate::vectors::level;
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::variance`] needs.
@@ -124,7 +125,7 @@ fn product<'s>(
 ) -> &'s [f32] {
     let (out, _) = split(scratch, padded(row_len));
     out.fill(0.0);
-    block_product(matrix, parts, out.as_chunks_mut().0);
+    block_product(level(), matrix, parts, out.as_chunks_mut().0);
     out.get(..row_len).unwrap_or(out)
 }
 

@@ -5,8 +5,9 @@ use super::blend::SOURCES_MAX;
 use super::cover::{Step, area, cover, snap};
 use super::sample::{ALPHA_MAX, Colour};
 use super::view::Texture;
-use crate::lanes::{Eight, Lanes, ROUND, Real};
+use crate::lanes::{Lanes, ROUND, Real, Unit, in_lanes};
 use crate::numeric::{greater, lesser, sqrt};
+use crate::vectors::{by_unit, level};
 use glam::Vec4;
 
 #[cfg(test)]
@@ -179,15 +180,7 @@ fn clockwise_triangle(
 ) {
     let [p, q, r] = ring;
     let share = 1.0 / area(p, q, r) as f32;
-    let interpolation = Interpolation {
-        ring,
-        edges: |[towards_c, _, towards_b]: [i64; 3]| [towards_b, towards_c],
-        shares: |edges: [Lanes; 2]| edges.map(|edge| edge.map(|edge| edge * share)),
-        at: |[a, b, c]: [f32; 3], [s, t]: [Lanes; 2]| {
-            by_lane(s, t, |s, t| s * (b - a) + t * (c - a) + a)
-        },
-    };
-    fill(screen, corners, sources, &interpolation);
+    fill(screen, (corners, ring), sources, &Triangle { share });
 }
 
 fn clockwise_quad(
@@ -197,54 +190,111 @@ fn clockwise_quad(
     sources: &[Source<'_>],
 ) {
     let [p, q, r, s] = ring;
-    // The ring's deviation from a parallelogram: e x g and g x f, with e = q - p, f = s - p, g = r
-    // - q - f.
     let e_g = area(p, q, r) - area(p, q, s);
     let g_f = area(p, r, s) - area(p, q, s);
-    let interpolation = Interpolation {
-        ring,
-        edges: |[above, beyond, below, before]: [i64; 4]| {
-            [before, above, beyond + before - e_g, below + above - g_f]
-        },
-        shares: |[left, top, across, down]: [Lanes; 4]| {
-            [
-                by_lane(left, across, |before, slope| coordinate(before, slope, e_g as f32)),
-                by_lane(top, down, |before, slope| coordinate(before, slope, g_f as f32)),
-            ]
-        },
-        at: |[a, b, c, d]: [f32; 4], [s, t]: [Lanes; 2]| {
-            by_lane(s, t, |s, t| {
-                let (top, bottom) = (s * (b - a) + a, s * (c - d) + d);
-                top + (bottom - top) * t
-            })
-        },
-    };
-    fill(screen, corners, sources, &interpolation);
+    fill(screen, (corners, ring), sources, &Quad { e_g, g_f });
 }
 
 /// Interpolation of N corner values over an element on the screen.
-struct Interpolation<E, S, A, const N: usize> {
-    /// The corners.
-    ring: [Step; N],
+trait Interpolation<const N: usize, const M: usize> {
     /// Computes M numbers from the edge functions of a pixel.
-    edges: E,
+    fn edges(&self, edges: [i64; N]) -> [i64; M];
+
     /// Computes a pixel's two coordinates in the element from the M numbers.
-    shares: S,
+    fn shares<U: Unit>(&self, numbers: [Lanes<U>; M]) -> [Lanes<U>; 2];
+
     /// Interpolates the corner values at two coordinates.
-    at: A,
+    fn at<U: Unit>(unit: U, values: [f32; N], shares: [Lanes<U>; 2]) -> Lanes<U>;
+}
+
+struct Triangle {
+    /// The inverse of the area.
+    share: f32,
+}
+
+impl Interpolation<3, 2> for Triangle {
+    #[inline(always)]
+    fn edges(&self, [towards_c, _, towards_b]: [i64; 3]) -> [i64; 2] {
+        [towards_b, towards_c]
+    }
+
+    #[inline(always)]
+    fn shares<U: Unit>(&self, [s, t]: [Lanes<U>; 2]) -> [Lanes<U>; 2] {
+        [
+            in_lanes(
+                s,
+                #[inline(always)]
+                |edge| edge * self.share,
+            ),
+            in_lanes(
+                t,
+                #[inline(always)]
+                |edge| edge * self.share,
+            ),
+        ]
+    }
+
+    #[inline(always)]
+    fn at<U: Unit>(_: U, [a, b, c]: [f32; 3], [s, t]: [Lanes<U>; 2]) -> Lanes<U> {
+        by_lane(
+            s,
+            t,
+            #[inline(always)]
+            |s, t| s * (b - a) + t * (c - a) + a,
+        )
+    }
+}
+
+/// The ring's deviation from a parallelogram: e x g and g x f, with e = q - p, f = s - p, g = r - q - f.
+struct Quad {
+    e_g: i64,
+    g_f: i64,
+}
+
+impl Interpolation<4, 4> for Quad {
+    #[inline(always)]
+    fn edges(&self, [above, beyond, below, before]: [i64; 4]) -> [i64; 4] {
+        [before, above, beyond + before - self.e_g, below + above - self.g_f]
+    }
+
+    #[inline(always)]
+    fn shares<U: Unit>(&self, [left, top, across, down]: [Lanes<U>; 4]) -> [Lanes<U>; 2] {
+        [
+            by_lane(
+                left,
+                across,
+                #[inline(always)]
+                |before, slope| coordinate(before, slope, self.e_g as f32),
+            ),
+            by_lane(
+                top,
+                down,
+                #[inline(always)]
+                |before, slope| coordinate(before, slope, self.g_f as f32),
+            ),
+        ]
+    }
+
+    #[inline(always)]
+    fn at<U: Unit>(_: U, [a, b, c, d]: [f32; 4], [s, t]: [Lanes<U>; 2]) -> Lanes<U> {
+        by_lane(
+            s,
+            t,
+            #[inline(always)]
+            |s, t| {
+                let (top, bottom) = (s * (b - a) + a, s * (c - d) + d);
+                top + (bottom - top) * t
+            },
+        )
+    }
 }
 
 /// Draws the pixels that an element covers.
-fn fill<const N: usize, const M: usize>(
+fn fill<const N: usize, const M: usize, I: Interpolation<N, M>>(
     screen: &mut Screen<'_>,
-    corners: [Corner; N],
+    (corners, ring): ([Corner; N], [Step; N]),
     sources: &[Source<'_>],
-    interpolation: &Interpolation<
-        impl Fn([i64; N]) -> [i64; M],
-        impl Fn([Lanes; M]) -> [Lanes; 2],
-        impl Fn([f32; N], [Lanes; 2]) -> Lanes,
-        N,
-    >,
+    interpolation: &I,
 ) {
     // Corner places in each source, x and y separately.
     let mut places = [[[0.0; N]; 2]; SOURCES_MAX];
@@ -253,32 +303,49 @@ fn fill<const N: usize, const M: usize>(
         *out = [corners.map(|corner| texel(corner)[0]), corners.map(|corner| texel(corner)[1])];
     }
     let depths = corners.map(|corner| corner.depth);
-    let size = screen.size();
+    let (size, level) = (screen.size(), level());
     let mut flush = |batch: &Batch<M>| {
-        let shares = (interpolation.shares)(batch.edges.each_ref().map(lanes));
         let mut colours = [Vec4::ZERO; BATCH];
-        for (Source { texture, share, .. }, axes) in sources.iter().zip(&places) {
-            let place = axes.map(|numbers| (interpolation.at)(numbers, shares));
-            texture.add(place, *share, colours.iter_mut().take(batch.len));
-        }
-        let depths = (interpolation.at)(depths, shares);
-        let pixels = batch.pixels.iter().zip(Eight::floats(&depths)).zip(colours);
+        let own = colours.get_mut(..batch.len).unwrap_or_default();
+        let depths = by_unit!(level, unit => {
+            let shares = shares(unit, interpolation, &batch.edges);
+            for (source, [x, y]) in sources.iter().zip(&places) {
+                let place = [I::at(unit, *x, shares), I::at(unit, *y, shares)];
+                source.texture.add(unit, place, source.share, own.iter_mut());
+            }
+            unit.floats(I::at(unit, depths, shares))
+        });
+        let pixels = batch.pixels.iter().zip(depths).zip(colours);
         for (((at, covered), depth), colour) in pixels.take(batch.len) {
-            if screen.shows(*at, *depth) {
-                screen.put(*at, *depth, colour, *covered);
+            if screen.shows(*at, depth) {
+                screen.put(*at, depth, colour, *covered);
             }
         }
     };
     let mut batch = Batch { len: 0, pixels: [(0, 0.0); BATCH], edges: [[0.0; BATCH]; M] };
     let soft = corners.map(|corner| corner.soft);
-    cover(&interpolation.ring, soft, size, |[x, y], edges, covered| {
-        batch.add((y * size[0] + x, covered), (interpolation.edges)(edges));
+    cover(&ring, soft, size, |[x, y], edges, covered| {
+        batch.add((y * size[0] + x, covered), interpolation.edges(edges));
         if batch.len == BATCH {
             flush(&batch);
             batch.len = 0;
         }
     });
     flush(&batch);
+}
+
+/// Computes the coordinates of pixels in their element.
+#[inline(always)]
+fn shares<U: Unit, const N: usize, const M: usize>(
+    unit: U,
+    interpolation: &impl Interpolation<N, M>,
+    edges: &[[f32; BATCH]; M],
+) -> [Lanes<U>; 2] {
+    let mut numbers = [unit.load(&[0.0; BATCH]); M];
+    for (numbers, edges) in numbers.iter_mut().zip(edges) {
+        *numbers = unit.load(edges);
+    }
+    interpolation.shares::<U>(numbers)
 }
 
 /// Pixels that are computed together.
@@ -304,11 +371,6 @@ impl<const M: usize> Batch<M> {
         }
         self.len += 1;
     }
-}
-
-#[inline(always)]
-fn lanes(x: &[f32; BATCH]) -> Lanes {
-    Lanes::read(&x.map(f32::to_le_bytes))
 }
 
 /// Applies a function to each pair of lanes.

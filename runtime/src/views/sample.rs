@@ -1,7 +1,7 @@
 //! Sampling of textures between texels.
 
 use super::view::Texture;
-use crate::lanes::{Eight, Lanes, ROUND};
+use crate::lanes::{Lanes, ROUND, Real, Unit};
 use crate::numeric::{greater, lesser};
 use glam::Vec4;
 
@@ -17,14 +17,15 @@ impl Texture<'_> {
     /// 0.5. Places outside the outermost centres take the outermost colours.
     ///
     /// - `out`: one colour per place, or fewer.
-    #[inline]
-    pub(super) fn add<'o>(
+    #[inline(always)]
+    pub(super) fn add<'o, U: Unit>(
         &self,
-        [x, y]: [Lanes; 2],
+        unit: U,
+        [x, y]: [Lanes<U>; 2],
         share: f32,
         out: impl Iterator<Item = &'o mut Colour>,
     ) {
-        let [columns, rows] = [locate(x, self.width), locate(y, self.height)];
+        let [columns, rows] = [locate(unit, x, self.width), locate(unit, y, self.height)];
         let places = columns.each().zip(rows.each());
         for (((column, across), (row, down)), out) in places.zip(out) {
             let at = row * self.width + column;
@@ -54,8 +55,8 @@ fn premultiplied([r, g, b, a]: [u8; 4]) -> Colour {
 
 /// The first of two neighbouring texels, and the fraction of the way to the second.
 struct Neighbours {
-    first: Lanes,
-    fraction: Lanes,
+    first: [f32; 8],
+    fraction: [f32; 8],
 }
 
 impl Neighbours {
@@ -64,25 +65,22 @@ impl Neighbours {
         // The last bits of 1.5 2^23 plus a whole number are the number. Files have fewer than 2^16
         // texels per side.
         let number = |biased: &f32| usize::from(biased.to_bits() as u16);
-        Eight::floats(&self.first)
-            .iter()
-            .map(number)
-            .zip(Eight::floats(&self.fraction).iter().copied())
+        self.first.iter().map(number).zip(self.fraction)
     }
 }
 
 /// Locates coordinates between the centres of `len` texels.
 #[inline(always)]
-fn locate(mut x: Lanes, len: usize) -> Neighbours {
+fn locate<U: Unit>(unit: U, mut x: Lanes<U>, len: usize) -> Neighbours {
     let last = len.saturating_sub(1) as f32;
     let mut fraction = x;
     for (x, fraction) in x.iter_mut().zip(&mut fraction) {
-        let kept = lesser(From::from(last), greater(From::from(0.0), *x - 0.5));
+        let kept = lesser(x.splat(last), greater(x.splat(0.0), *x - 0.5));
         // Rounds to a whole number. For a whole `kept` the result is `kept` or the number before.
-        let first = lesser(From::from(ROUND + greater(0.0, last - 1.0)), kept - 0.5 + ROUND);
+        let first = lesser(x.splat(ROUND + greater(0.0, last - 1.0)), kept - 0.5 + ROUND);
         (*x, *fraction) = (first, kept - (first - ROUND));
     }
-    Neighbours { first: x, fraction }
+    Neighbours { first: unit.floats(x), fraction: unit.floats(fraction) }
 }
 
 #[inline(always)]
@@ -93,6 +91,7 @@ fn lerp(a: Colour, b: Colour, share: f32) -> Colour {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vectors::{by_unit, level};
 
     const TEXELS: [[u8; 4]; 6] = [
         [255, 0, 0, 255],
@@ -106,8 +105,11 @@ mod tests {
 
     fn colour_of(texture: Texture<'_>, place: [f32; 2]) -> [f32; 4] {
         let mut out = [Vec4::ZERO; 8];
-        let lanes = |x: f32| Lanes::read(&[x.to_le_bytes(); 8]);
-        texture.add(place.map(lanes), 1.0, out.iter_mut());
+        by_unit!(level(), unit => {
+            let [x, y] = place;
+            let place = [unit.load(&[x; 8]), unit.load(&[y; 8])];
+            texture.add(unit, place, 1.0, out.iter_mut());
+        });
         assert_eq!(out, [out[0]; 8]);
         (out[0] / 255.0).to_array()
     }

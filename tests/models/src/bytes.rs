@@ -44,7 +44,7 @@ pub fn blocks(matrix: &[Vec<f32>]) -> Vec<u8> {
 }
 
 /// Writes numbers of vertices, given vertex by vertex, in blocks of eight vertices: for each number
-/// a row of eight. The missing vertices of the last block are zero.
+/// a row of eight. The last vertex fills the last block.
 ///
 /// - `numbers`: bytes of each number of each vertex.
 /// - `len`: numbers of a vertex.
@@ -63,10 +63,10 @@ pub fn eights(numbers: &[u8], len: usize, size: usize) -> Vec<u8> {
     out
 }
 
-/// Reads what [`eights`] wrote, with the missing vertices.
+/// Reads what [`eights`] wrote, with the vertices that fill the last block. A block that is not whole is left out.
 pub fn from_eights(blocks: &[u8], len: usize, size: usize) -> Vec<u8> {
     let mut out = Vec::new();
-    for block in blocks.chunks(8 * len * size) {
+    for block in blocks.chunks_exact(8 * len * size) {
         for lane in 0..8 {
             for number in 0..len {
                 out.extend(&block[(8 * number + lane) * size..][..size]);

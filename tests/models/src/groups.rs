@@ -92,7 +92,10 @@ impl GroupContent {
         }
         let mut rest = self.rest();
         rest.resize(rest.len().next_multiple_of(8), 0.0);
-        let matrices = [&self.centres, &self.coefficients, &self.outputs].map(|m| blocks(m));
+        let factor = self.kernel.centre_factor();
+        let doubled = |t: &Vec<f32>| t.iter().map(|t| factor * t).collect();
+        let centres: Vec<Vec<f32>> = self.centres.iter().map(doubled).collect();
+        let matrices = [&centres, &self.coefficients, &self.outputs].map(|m| blocks(m));
         let [centres, coefficients, outputs] = matrices;
         [words(&features), floats(&weights), centres, floats(&rest), coefficients, outputs].concat()
     }

@@ -172,8 +172,7 @@ struct Distance {
 impl Distance {
     /// Measures an input, d values with a bound of the error of each.
     ///
-    /// Each product of `Σ x ((x - t) - t)` is behind d + 1 roundings, and its inner difference has an error of u
-    /// before. An error e of x changes a term by `2 (x - t) e + e²`.
+    /// Each product of `Σ x (x - 2 t)` is behind d + 2 roundings. An error e of x changes a term by `2 (x - t) e + e²`.
     fn new(input: &[f64], input_error: &[f64], centre: &[f64]) -> Self {
         let dimensions = input.len();
         let squared = Squared::new(input, centre);
@@ -182,9 +181,7 @@ impl Distance {
             let apart = (x - t).abs();
             inherited += (2.0 * apart + error) * error;
             length += error * error;
-            let of_difference = U * (1.0 + gamma(dimensions + 1)) * (apart + error);
-            let of_product = gamma(dimensions + 1) * ((x - 2.0 * t).abs() + error);
-            rounded += (x.abs() + error) * (of_difference + of_product);
+            rounded += (x.abs() + error) * gamma(dimensions + 2) * ((x - 2.0 * t).abs() + error);
         }
         Self {
             dimensions,

@@ -2,10 +2,11 @@
 //!
 //! The trainer's `kernel/mod.rs` lists the steps to add a kernel.
 
-use crate::lanes::{Lanes, Real, in_lanes};
-use crate::linear::Sum;
+use crate::lanes::{Real, Unit, in_lanes};
+use crate::linear::{Le, Sum};
 use crate::named::named;
 use crate::numeric::{EXP_MAX, exp_negative, greater, lesser, one_minus_exp_negative, sqrt};
+use crate::vectors::{Level, by_unit};
 
 named! {
     /// Kernel of a group, as a function of the squared scaled distance s (METHOD §2.1).
@@ -54,20 +55,44 @@ impl GroupKernel {
         if self == Self::Gaussian { squared } else { self.value(squared) }
     }
 
+    /// Returns the factor of the centres in a file: 2 for a gaussian, else 1.
+    pub const fn centre_factor(self) -> f32 {
+        if matches!(self, Self::Gaussian) { 2.0 } else { 1.0 }
+    }
+
     /// Returns the sum of which [`Self::changes`] is a function.
     #[inline(always)]
     pub(crate) fn sum(self) -> Sum {
         if self == Self::Gaussian { Sum::Gain } else { Sum::Squared }
     }
 
-    /// Evaluates the kernels of 8 centres, less the values at x = 0.
+    /// Evaluates kernels of centres in blocks of 8, less the values at x = 0.
+    ///
+    /// - `sums`: replaced by the changes.
+    pub(crate) fn changes(self, level: Level, sums: &mut [[f32; 8]], rest: &[[Le; 8]]) {
+        by_unit!(level, unit => match self {
+            // One loop for each kernel where code may be large.
+            _ if cfg!(target_os = "none") => self.changes_of(unit, sums, rest),
+            Self::Gaussian => Self::Gaussian.changes_of(unit, sums, rest),
+            Self::Matern12 => Self::Matern12.changes_of(unit, sums, rest),
+            Self::Matern32 => Self::Matern32.changes_of(unit, sums, rest),
+            Self::Matern52 => Self::Matern52.changes_of(unit, sums, rest),
+        });
+    }
+
     #[inline(always)]
-    pub(crate) fn changes(self, sums: Lanes, rest: Lanes) -> Lanes {
-        let mut out = if self == Self::Gaussian { sums } else { self.values(sums) };
-        for (out, rest) in out.iter_mut().zip(rest) {
-            *out = if self == Self::Gaussian { gaussian_change(*out, rest) } else { *out - rest };
+    fn changes_of<U: Unit>(self, unit: U, sums: &mut [[f32; 8]], rest: &[[Le; 8]]) {
+        for (sums, rest) in sums.iter_mut().zip(rest) {
+            let mut out = unit.load(sums);
+            if self != Self::Gaussian {
+                out = self.values(out);
+            }
+            for (out, rest) in out.iter_mut().zip(unit.read(rest)) {
+                let is_gaussian = self == Self::Gaussian;
+                *out = if is_gaussian { gaussian_change(*out, rest) } else { *out - rest };
+            }
+            *sums = unit.floats(out);
         }
-        out
     }
 
     /// Evaluates the kernel in N lanes.
@@ -80,10 +105,14 @@ impl GroupKernel {
             Self::Matern32 => (3.0, 1.0, 0.0),
             Self::Matern52 => (5.0, 1.0, 1.0 / 3.0),
         };
-        in_lanes(in_lanes(s, |s| sqrt(s * scale)), |a| {
-            let a = bounded(a);
-            (a * p + 1.0 + a * a * q) * exp_negative(a)
-        })
+        in_lanes(
+            in_lanes(s, |s| sqrt(s * scale)),
+            #[inline(always)]
+            |a| {
+                let a = bounded(a);
+                (a * p + 1.0 + a * a * q) * exp_negative(a)
+            },
+        )
     }
 }
 
@@ -110,7 +139,7 @@ fn bounded<R: Real>(a: R) -> R {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::lanes::Eight;
+    use crate::vectors::level;
 
     fn exact(kernel: GroupKernel, s: f64) -> f64 {
         let (a, b) = ((3.0 * s).sqrt(), (5.0 * s).sqrt());
@@ -166,8 +195,8 @@ mod tests {
     fn eight_lanes_have_the_bits_of_a_float() {
         let s = [0.0, 1e-9, 0.1, 0.7, 3.0, 40.0, 1e3, 1e30];
         for kernel in GroupKernel::ALL {
-            let found = kernel.values(Lanes::read(&s.map(f32::to_le_bytes)));
-            assert_eq!(*found.floats(), s.map(|s| kernel.value(s)));
+            let found = by_unit!(level(), unit => unit.floats(kernel.values(unit.load(&s))));
+            assert_eq!(found, s.map(|s| kernel.value(s)));
         }
     }
 }

@@ -4,8 +4,8 @@ use super::confidence::{ExpectedError, GroupConfidence};
 use super::kernel::GroupKernel;
 use super::row::{GroupRow, Shape};
 use crate::envelope::view::Envelope;
-use crate::lanes::{Eight, Lanes};
 use crate::linear::{Le, block_entry, block_product, block_sums, padded, split};
+use crate::vectors::Level;
 use core::fmt;
 use core::ops::Range;
 
@@ -115,7 +115,9 @@ impl<'a> Group<'a> {
 
     /// Returns coordinate i of centre k.
     pub fn centre(&self, k: usize, i: usize) -> Option<f32> {
-        block_entry(self.centres, (self.shape.centre_len, self.shape.input_len), k, i)
+        let stored =
+            block_entry(self.centres, (self.shape.centre_len, self.shape.input_len), k, i)?;
+        Some(stored / self.kernel.centre_factor())
     }
 
     /// Returns what the map subtracts of centre k at x = 0: [`GroupKernel::at_rest`].
@@ -145,22 +147,23 @@ impl<'a> Group<'a> {
     #[inline]
     pub(crate) fn evaluate<'b>(
         &self,
+        level: Level,
         input: &[f32],
         scratch: &mut [f32],
         out: &'b mut [f32],
     ) -> (ExpectedError, &'b [f32]) {
         let Shape { centre_len: n, rank: r, certainty_len: m, .. } = self.shape;
         let (basis, values) = scratch.split_at_mut(padded(n).min(scratch.len()));
-        self.basis(input, basis.as_chunks_mut().0);
+        self.basis(level, input, basis.as_chunks_mut().0);
         let basis = basis.get(..n).unwrap_or_default();
-        block_product(self.coefficients, [basis, input], values.as_chunks_mut().0);
+        block_product(level, self.coefficients, [basis, input], values.as_chunks_mut().0);
         let (latent, roots) = split(values, r);
         let rest_change = basis.first().copied().unwrap_or_default();
         let error = self.confidence.expected_error(input, rest_change, roots.iter().take(m));
         let w = error.map_weight();
         if w > 0.0 {
             let out = out.as_chunks_mut().0;
-            block_product(self.outputs, [latent, &[]], out);
+            block_product(level, self.outputs, [latent, &[]], out);
             let out = out.as_flattened_mut();
             for value in &mut *out {
                 *value *= w;
@@ -173,24 +176,9 @@ impl<'a> Group<'a> {
 
     /// Computes g, the change of each centre's kernel from rest, n values in whole blocks.
     #[inline]
-    fn basis(&self, input: &[f32], out: &mut [[f32; 8]]) {
-        // One loop for each kernel where code may be large.
-        match self.kernel {
-            _ if cfg!(target_os = "none") => self.basis_of(self.kernel, input, out),
-            GroupKernel::Gaussian => self.basis_of(GroupKernel::Gaussian, input, out),
-            GroupKernel::Matern12 => self.basis_of(GroupKernel::Matern12, input, out),
-            GroupKernel::Matern32 => self.basis_of(GroupKernel::Matern32, input, out),
-            GroupKernel::Matern52 => self.basis_of(GroupKernel::Matern52, input, out),
-        }
-    }
-
-    #[inline(always)]
-    fn basis_of(&self, kernel: GroupKernel, input: &[f32], out: &mut [[f32; 8]]) {
-        let mut blocks = out.iter_mut().zip(self.rest);
-        block_sums(kernel.sum(), self.centres, input, |sums| {
-            let Some((out, rest)) = blocks.next() else { return };
-            *out = *kernel.changes(sums, Lanes::read(rest)).floats();
-        });
+    fn basis(&self, level: Level, input: &[f32], out: &mut [[f32; 8]]) {
+        block_sums(level, self.kernel.sum(), self.centres, input, out);
+        self.kernel.changes(level, out, self.rest);
     }
 }
 

@@ -11,7 +11,9 @@ use crate::vectors::level;
 
 /// Runs a job that has been checked. `None` without vector units or influences.
 pub(super) fn run(job: &SkinJob<'_>) -> Option<()> {
-    let level = level()?;
+    // The rows of a file are little-endian.
+    let is_little = cfg!(target_endian = "little");
+    let level = Some(level()).filter(|level| is_little && !level.is_fallback())?;
     let alone = job.normals.is_none() && job.tangents.is_none();
     let done = if alone { columns::run(level, job) } else { None };
     done.or_else(|| eights::run(level, job))

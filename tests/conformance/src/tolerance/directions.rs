@@ -113,8 +113,8 @@ pub(super) fn frame(
     [u, n.cross(&u)]
 }
 
-/// Returns the correction of the frame by tangent coefficients: sums of g (y - y_last) and of h (y
-/// - y_last).
+/// Returns the correction of the frame by tangent coefficients: sums of g (y - y_first) and of h (y
+/// - y_first).
 fn coefficient_terms(
     (skin, number): (&Skin<'_>, usize),
     vertex: &Vertex<'_>,
@@ -128,11 +128,11 @@ fn coefficient_terms(
             4,
         ),
     };
-    let Some((last, others)) = vertex.influences.split_last() else {
+    let Some((first, others)) = vertex.influences.split_first() else {
         return [Bounded::exact(Vector3::zeros()); 2];
     };
-    let last = place(last.0).negated();
-    let apart: Vec<_> = others.iter().map(|&(l, _)| place(l).plus(&last)).collect();
+    let first = place(first.0).negated();
+    let apart: Vec<_> = others.iter().map(|&(l, _)| place(l).plus(&first)).collect();
     let sum = |which: usize| {
         let coefficients = skin.tangent_coefficients(number).map(|pair| f64::from(pair[which]));
         let terms: Vec<_> =

@@ -3,7 +3,7 @@
 use super::sample::{Golden, file_model, goldens};
 use faer::Mat;
 use nalgebra::SMatrix;
-use sinew_runtime::envelope::GroupConfidence;
+use sinew_runtime::envelope::{GroupConfidence, GroupKernel};
 use sinew_runtime::format::ALIGNMENT;
 use sinew_runtime::{Envelope, Model, Skin};
 use sinew_trainer::envelope::model::{EnvelopeModel, Input, SkinModel};
@@ -89,9 +89,13 @@ fn read_back_groups(parts: &EnvelopeModel, envelope: Envelope<'_>) {
             assert_eq!(found.input(i), Some((order.index(feature), weight as f32)));
         }
         assert_eq!(&dense(centres, &|i, k| found.centre(k, i)), centres);
-        // Every kernel is 1 at the centre, and falls from there.
-        let falls = |k| found.rest(k).is_some_and(|rest| (0.0..1.0).contains(&rest));
-        assert!((0..centres.ncols()).all(falls));
+        // A gaussian has the squared distance at rest. Every other kernel is 1 at the centre, and falls from there.
+        let is_sound = |k| {
+            let (rest, squared) = (found.rest(k).unwrap(), centres.col(k).squared_norm_l2() as f32);
+            let is_near = (rest / squared - 1.0).abs() < 1e-6;
+            if *kernel == GroupKernel::Gaussian { is_near } else { (0.0..1.0).contains(&rest) }
+        };
+        assert!((0..centres.ncols()).all(is_sound));
         assert_eq!(&dense(coefficients, &|r, c| found.coefficient(r, c)), coefficients);
         assert_eq!(&dense(&group.outputs, &|r, c| found.output(r, c)), &group.outputs);
     }

@@ -229,7 +229,8 @@ impl Group {
         let column = |values: Vec<f64>| blocks(Col::from_iter(values).as_mat());
         let centres = &self.map.centres;
         out.extend(column(self.inputs.iter().map(|input| input.weight).collect()));
-        out.extend(blocks(centres.transpose()));
+        let factor = f64::from(self.map.kernel.centre_factor());
+        out.extend(blocks((faer::Scale(factor) * centres.transpose()).as_ref()));
         // From the rounded centres, so that the map is exactly 0 at rest.
         let at_rest = |k: usize| self.map.kernel.at_rest((0..d).map(|i| centres[(i, k)] as f32));
         out.extend(column((0..centres.ncols()).map(|k| f64::from(at_rest(k))).collect()));
