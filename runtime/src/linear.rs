@@ -143,6 +143,7 @@ pub(crate) fn quaternion(m: &Columns) -> ([f32; 3], f32) {
 ///
 /// `block` holds 8 coefficients per column and `input` three coordinates per column. `sums[r][i]`
 /// is coordinate r of row i. Each sum takes its columns in order, for any SIMD width.
+#[cfg_attr(target_os = "none", inline(never))]
 pub(crate) fn add_block_product(
     level: Level,
     sums: &mut [[f32; 8]; 3],
@@ -151,15 +152,7 @@ pub(crate) fn add_block_product(
 ) {
     if cfg!(target_os = "none") {
         // Row after row, with the sums in registers.
-        let [xs, ys, zs] = sums;
-        for (row, ((x, y), z)) in xs.iter_mut().zip(ys).zip(zs).enumerate() {
-            let mut own = [*x, *y, *z];
-            for (coefficients, input) in block.iter().zip(input) {
-                let coefficient = f32::from_le_bytes(coefficients[row % 8]);
-                own = sum(own, input.map(|x| coefficient * x));
-            }
-            [*x, *y, *z] = own;
-        }
+        (0..8).for_each(|row| add_row_product(row, sums, block, input));
         return;
     }
     by_unit!(level, unit => {
@@ -177,6 +170,25 @@ pub(crate) fn add_block_product(
             *sums = unit.floats(*local);
         }
     });
+}
+
+/// Adds the product of one row, as [`add_block_product`] does.
+#[inline(never)]
+fn add_row_product(
+    row: usize,
+    [out_x, out_y, out_z]: &mut [[f32; 8]; 3],
+    block: &[[Le; 8]],
+    input: &[[f32; 3]],
+) {
+    let row = row % 8;
+    let (mut sum_x, mut sum_y, mut sum_z) = (out_x[row], out_y[row], out_z[row]);
+    for (coefficients, [x, y, z]) in block.iter().zip(input) {
+        let coefficient = f32::from_le_bytes(coefficients[row]);
+        sum_x += coefficient * x;
+        sum_y += coefficient * y;
+        sum_z += coefficient * z;
+    }
+    (out_x[row], out_y[row], out_z[row]) = (sum_x, sum_y, sum_z);
 }
 
 /// Computes the product of a matrix in blocks of 8 rows with a vector in two parts. Two blocks run

@@ -218,7 +218,7 @@ impl Interpolation<3, 2> for Triangle {
         [towards_b, towards_c]
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn shares<U: Unit>(&self, [s, t]: [Lanes<U>; 2]) -> [Lanes<U>; 2] {
         [
             in_lanes(
@@ -234,7 +234,7 @@ impl Interpolation<3, 2> for Triangle {
         ]
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn at<U: Unit>(_: U, [a, b, c]: [f32; 3], [s, t]: [Lanes<U>; 2]) -> Lanes<U> {
         by_lane(
             s,
@@ -257,7 +257,7 @@ impl Interpolation<4, 4> for Quad {
         [before, above, beyond + before - self.e_g, below + above - self.g_f]
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn shares<U: Unit>(&self, [left, top, across, down]: [Lanes<U>; 4]) -> [Lanes<U>; 2] {
         [
             by_lane(
@@ -275,7 +275,7 @@ impl Interpolation<4, 4> for Quad {
         ]
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     fn at<U: Unit>(_: U, [a, b, c, d]: [f32; 4], [s, t]: [Lanes<U>; 2]) -> Lanes<U> {
         by_lane(
             s,
@@ -335,7 +335,7 @@ fn fill<const N: usize, const M: usize, I: Interpolation<N, M>>(
 }
 
 /// Computes the coordinates of pixels in their element.
-#[inline(always)]
+#[cfg_attr(not(target_os = "none"), inline(always))]
 fn shares<U: Unit, const N: usize, const M: usize>(
     unit: U,
     interpolation: &impl Interpolation<N, M>,

@@ -17,7 +17,7 @@ impl Texture<'_> {
     /// 0.5. Places outside the outermost centres take the outermost colours.
     ///
     /// - `out`: one colour per place, or fewer.
-    #[inline(always)]
+    #[cfg_attr(not(target_os = "none"), inline(always))]
     pub(super) fn add<'o, U: Unit>(
         &self,
         unit: U,
