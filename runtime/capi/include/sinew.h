@@ -509,7 +509,7 @@ enum sinew_attribute
     /// Rest tangent: 4 floats. The last float is the handedness.
     SINEW_ATTRIBUTE_TANGENT = 3,
     /// Tangent coefficients, for shaders that compute normals: 2 (K - 1) floats. They are g and h of each
-    /// influence except the last, per unit of length. The last influence has minus the sums of the others.
+    /// influence except the first, per unit of length. The first influence has minus the sums of the others.
     SINEW_ATTRIBUTE_TANGENT_COEFFICIENTS = 4,
 };
 #ifndef __cplusplus
