@@ -127,8 +127,19 @@ pub(crate) trait Unit: Copy {
 /// memory accesses at opt-level s.
 pub(crate) type Lanes<U> = [<U as Unit>::Real; WIDTH];
 
-/// Length of [`Lanes`]. Small processors handle one float at a time, which keeps the code small.
-const WIDTH: usize = if cfg!(target_os = "none") { 8 } else { 1 };
+/// Length of [`Lanes`]: 1 where `lib.rs` chooses vector units. Without them one float is handled at a time.
+pub(crate) const WIDTH: usize = if cfg!(all(
+    not(target_os = "none"),
+    any(
+        target_feature = "sse2",
+        target_feature = "simd128",
+        all(target_arch = "aarch64", target_feature = "neon")
+    )
+)) {
+    1
+} else {
+    8
+};
 
 /// Applies a function to every lane.
 #[inline(always)]

@@ -66,7 +66,19 @@ pub mod record;
 pub mod skin;
 #[cfg(feature = "internals")]
 pub mod stages;
-#[cfg_attr(target_os = "none", path = "no_vectors.rs")]
+#[cfg_attr(
+    all(
+        not(target_os = "none"),
+        any(
+            target_feature = "sse2",
+            target_feature = "simd128",
+            all(target_arch = "aarch64", target_feature = "neon")
+        )
+    ),
+    path = "vector_unit.rs"
+)]
+mod unit;
+#[cfg(not(target_os = "none"))]
 mod vectors;
 #[cfg(feature = "views")]
 pub mod views;

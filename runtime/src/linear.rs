@@ -4,7 +4,7 @@
 //! bounds check, and the check would put a panic into firmware.
 
 use crate::lanes::{Lanes, Real, Unit};
-use crate::vectors::{Level, by_unit};
+use crate::unit::{Level, by_unit};
 
 /// A rigid or affine transform as three rows of four: `y[r] = m[r][0..3] . x + m[r][3]`.
 pub type Matrix3x4 = [[f32; 4]; 3];

@@ -10,7 +10,7 @@ use crate::linear::{
 };
 use crate::matrix;
 use crate::numeric::{lesser, sqrt};
-use crate::vectors::{Level, level};
+use crate::unit::{Level, level};
 
 /// Evaluates stage joints: [`crate::stages::joints`] with checked arguments.
 pub(crate) fn joints(envelope: &Envelope<'_>, pose: &[Matrix3x4], out_palette: &mut [Matrix3x4]) {

@@ -8,7 +8,7 @@ use crate::linear::{
     product, quaternion, rows, turn_back,
 };
 use crate::numeric::{quadrant_angle, sin_versine, sqrt};
-use crate::vectors::level;
+use crate::unit::level;
 
 /// Evaluates stage gradients: [`crate::stages::gradients`] with checked arguments.
 ///

@@ -10,7 +10,7 @@ use crate::error::{Argument, CallError, CallErrorKind};
 use crate::lanes::{Unit, in_lanes};
 use crate::linear::{Sum, block_product, block_sums, padded, split};
 use crate::numeric::{greater, lesser, nearness};
-use crate::vectors::{by_unit, level};
+use crate::unit::{by_unit, level};
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::evaluate`] needs.

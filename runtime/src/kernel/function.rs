@@ -253,7 +253,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::lanes::Unit;
-    use crate::vectors::{by_unit, level};
+    use crate::unit::{by_unit, level};
 
     fn exact(kernel: Kernel, s: f64) -> f64 {
         let r = s.sqrt();

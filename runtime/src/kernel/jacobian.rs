@@ -8,7 +8,7 @@ use super::rule::QueryRule;
 use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Sum, block_entry, block_product, block_sums, floats, padded, split};
-use crate::vectors::level;
+use crate::unit::level;
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::jacobian`] needs.

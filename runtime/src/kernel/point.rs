@@ -9,7 +9,7 @@ use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{block_product, floats, padded, split, squared_length};
 use crate::numeric::{greater, lesser};
-use crate::vectors::level;
+use crate::unit::level;
 
 /// A query as the kernels use it.
 pub(super) struct Point<'s> {

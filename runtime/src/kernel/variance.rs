@@ -6,7 +6,7 @@ use super::view::KernelMap;
 use crate::error::{Argument, CallError, CallErrorKind};
 use crate::linear::{Le, block_product, floats, padded, split};
 use crate::numeric::greater;
-use crate::vectors::level;
+use crate::unit::level;
 
 impl KernelCounts {
     /// Returns the floats of scratch that [`KernelMap::variance`] needs.

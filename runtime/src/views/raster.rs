@@ -7,7 +7,7 @@ use super::sample::{ALPHA_MAX, Colour};
 use super::view::Texture;
 use crate::lanes::{Lanes, ROUND, Real, Unit, in_lanes};
 use crate::numeric::{greater, lesser, sqrt};
-use crate::vectors::{by_unit, level};
+use crate::unit::{by_unit, level};
 use glam::Vec4;
 
 #[cfg(test)]

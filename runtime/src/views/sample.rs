@@ -91,7 +91,7 @@ fn lerp(a: Colour, b: Colour, share: f32) -> Colour {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vectors::{by_unit, level};
+    use crate::unit::{by_unit, level};
 
     const TEXELS: [[u8; 4]; 6] = [
         [255, 0, 0, 255],

@@ -6,7 +6,7 @@ use crate::lanes::{Real, Unit, in_lanes};
 use crate::linear::{Le, Sum};
 use crate::named::named;
 use crate::numeric::{EXP_MAX, exp_negative, greater, lesser, one_minus_exp_negative, sqrt};
-use crate::vectors::{Level, by_unit};
+use crate::unit::{Level, by_unit};
 
 named! {
     /// Kernel of a group, as a function of the squared scaled distance s (METHOD §2.1).
@@ -139,7 +139,7 @@ fn bounded<R: Real>(a: R) -> R {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::vectors::level;
+    use crate::unit::level;
 
     fn exact(kernel: GroupKernel, s: f64) -> f64 {
         let (a, b) = ((3.0 * s).sqrt(), (5.0 * s).sqrt());

@@ -5,7 +5,7 @@ use super::kernel::GroupKernel;
 use super::row::{GroupRow, Shape};
 use crate::envelope::view::Envelope;
 use crate::linear::{Le, block_entry, block_product, block_sums, padded, split};
-use crate::vectors::Level;
+use crate::unit::Level;
 use core::fmt;
 use core::ops::Range;
 

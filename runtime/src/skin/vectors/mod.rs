@@ -7,13 +7,16 @@ mod copies;
 mod eights;
 
 use super::job::SkinJob;
+use crate::lanes::WIDTH;
 use crate::vectors::level;
 
 /// Runs a job that has been checked. `None` without vector units or influences.
 pub(super) fn run(job: &SkinJob<'_>) -> Option<()> {
-    // The rows of a file are little-endian.
-    let is_little = cfg!(target_endian = "little");
-    let level = Some(level()).filter(|level| is_little && !level.is_fallback())?;
+    // Without registers the code would be long and slow. The rows of a file are little-endian.
+    if WIDTH > 1 || cfg!(target_endian = "big") {
+        return None;
+    }
+    let level = level();
     let alone = job.normals.is_none() && job.tangents.is_none();
     let done = if alone { columns::run(level, job) } else { None };
     done.or_else(|| eights::run(level, job))

@@ -1,4 +1,4 @@
-//! Small processors have no vector units: they compute with one float at a time.
+//! Processors without vector units compute with one float at a time.
 
 use crate::lanes::{Lanes, Unit};
 
@@ -13,7 +13,7 @@ pub(crate) fn level() -> Level {
 /// Computes an expression with the units of a level.
 macro_rules! by_unit {
     ($level:expr, $unit:ident => $result:expr) => {{
-        let $unit: $crate::vectors::Level = $level;
+        let $unit: $crate::unit::Level = $level;
         $result
     }};
 }
