@@ -64,8 +64,10 @@ impl PosedVertex {
     /// - `unit`: length unit of the fit, in length units of the file.
     pub(super) fn fit(&self, unit: f64) -> Option<Coefficients> {
         let found = rounded(self.refined(self.linear()?), unit);
+        // In a file any influence may be the first, whose coefficients are not stored.
+        let fits = found.as_flattened().iter().all(|c| half(c / unit).is_finite());
         let cofactors = self.error(&vec![[0.0; 2]; self.free + 1]);
-        (self.error(&found) < cofactors.max(self.visible())).then_some(found)
+        (fits && self.error(&found) < cofactors.max(self.visible())).then_some(found)
     }
 
     /// Sums the squared angles, in radians, between the normals of some coefficients and the true normals.
