@@ -224,6 +224,9 @@ fn group(
         |u: &mut Unstructured<'_>| Ok::<_, arbitrary::Error>(float(u, CORRECTION_MAX)?.abs());
     let [linear, signal, noise] = [share(u)?, share(u)?, share(u)?];
     let reach = 0.5 * share(u)? + 1.0;
+    let kernel = *u.choose(&GroupKernel::ALL)?;
+    // A file has twice the centres of a gaussian and the sums of their squares: ten coordinates here at most.
+    let most = if kernel == GroupKernel::Gaussian { 300.0 } else { CORRECTION_MAX };
     Ok(Group {
         joint: u.choose_index(order.joint_len.max(1))?,
         proxies,
@@ -232,10 +235,10 @@ fn group(
             Ok(Input { feature, weight: float(u, CORRECTION_MAX)? })
         })?,
         map: KernelMap {
-            kernel: *u.choose(&GroupKernel::ALL)?,
+            kernel,
             // Squares and sums of these values stay finite, so a far centre's kernel at rest is a
             // number.
-            centres: matrix(d, n, || float(u, CORRECTION_MAX))?,
+            centres: matrix(d, n, || float(u, most))?,
             coefficients: matrix(r + len, n + d, || float(u, CORRECTION_MAX))?,
             confidence: MapConfidence { len, reach, linear, signal, noise },
         },
