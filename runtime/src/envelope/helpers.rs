@@ -107,10 +107,10 @@ pub(crate) fn joint_confidences(
     scratch: &mut [f32],
     out_confidences: &mut [f32],
 ) {
-    let own = confidence::of_joints(envelope, pose, features);
+    let (own, level) = (confidence::of_joints(envelope, pose, features), level());
     out_confidences.iter_mut().zip(own).for_each(|(out, own)| *out = own);
     for group in envelope.groups().filter(|group| group.centre_len() > 0) {
-        let (error, _) = evaluate_map(level(), &group, features, scratch);
+        let (error, _) = evaluate_map(level, &group, features, scratch);
         if let Some(out) = out_confidences.get_mut(group.joint) {
             *out = lesser(*out, error.confidence());
         }

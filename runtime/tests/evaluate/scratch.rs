@@ -40,7 +40,7 @@ fn positions_with_scratch_have_the_bits_of_positions_without() {
 fn vector_units_have_the_bits_of_one_vertex_at_a_time() {
     for influences in [1, 2, 3, 4, 5, 16, 17] {
         for (tangents, coefficients) in [(true, true), (false, true), (true, false)] {
-            // A block and a half of vertices, of which some follow one transform.
+            // Two whole blocks and a part. Some vertices follow one transform.
             let shape = Shape { influences, vertices: 21, tangents, coefficients, ..SMALL };
             with_skin(shape, |envelope, skin| jobs_agree(&envelope, skin));
         }

@@ -47,7 +47,7 @@ impl GroupKernel {
         value
     }
 
-    /// Computes what a file stores as `rest` of a centre t: `|t|²` for a gaussian, else the kernel at x = 0.
+    /// Computes the number `rest` of a centre t in a file: `|t|²` for a gaussian, else the kernel at x = 0.
     ///
     /// The bits are those of a kernel map at x = 0.
     pub fn at_rest(self, centre: impl IntoIterator<Item = f32>) -> f32 {

@@ -120,7 +120,7 @@ impl<'a> Group<'a> {
         Some(stored / self.kernel.centre_factor())
     }
 
-    /// Returns what the map subtracts of centre k at x = 0: [`GroupKernel::at_rest`].
+    /// Returns the number `rest` of centre k: [`GroupKernel::at_rest`].
     pub fn rest(&self, k: usize) -> Option<f32> {
         block_entry(self.rest, (self.shape.centre_len, 1), k, 0)
     }

@@ -1,4 +1,4 @@
-//! Posed blocks, from which a remap copies vertices.
+//! Posed blocks. A remap copies vertices from them.
 
 use super::super::counts::EIGHT;
 use super::super::job::SkinJob;

@@ -172,8 +172,8 @@ impl SkinModel {
 }
 
 /// Orders the influences of a block of vertices so that as many slots as possible have one transform in all vertices:
-/// a reader then looks up one transform instead of eight. The first slot, to which the coefficients of the others refer,
-/// is an influence that each vertex has. Fills every vertex to K slots.
+/// a reader then looks up one transform instead of eight. The coefficients of the other slots refer to the first slot,
+/// an influence that each vertex has. Fills every vertex to K slots.
 fn arrange(block: &mut [Vec<Slot>], k: usize) {
     let is_used = |slot: &Slot| slot.weight > 0.0 || slot.coefficients != [0.0; 2];
     block.iter_mut().for_each(|slots| slots.retain(is_used));
